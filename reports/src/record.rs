@@ -82,6 +82,12 @@ pub struct Timing {
     pub wall_s: f64,
     /// Seconds of it spent in evaluations.
     pub evaluation_s: f64,
+    /// Seconds of it spent in the teacher: proposing, observing and learning; `None` in files older than the field.
+    #[serde(default)]
+    pub teacher_s: Option<f64>,
+    /// Seconds of it spent in the student's gradient steps; `None` in files older than the field.
+    #[serde(default)]
+    pub learning_s: Option<f64>,
 }
 
 /// `manifest.json`: what a run is, written before its first record.

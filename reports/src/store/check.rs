@@ -76,16 +76,9 @@ pub(super) fn timings(lines: Vec<(usize, Timing)>, path: &Path, problems: &mut V
     let mut fault = |line, fault| problems.push(Problem { path: path.to_owned(), line: Some(line), fault });
     let mut by_index: BTreeMap<u64, (usize, Timing)> = BTreeMap::new();
     for (line, timing) in lines {
-        let Timing { eval_index, wall_s, evaluation_s, .. } = timing;
-        if !(wall_s.is_finite() && wall_s >= 0.0) {
-            let value = wall_s.to_string();
-            fault(line, Fault::Range { field: "wall_s".into(), value, accepted: "a number of at least 0" });
-        } else if !(0.0..=wall_s).contains(&evaluation_s) {
-            let value = evaluation_s.to_string();
-            fault(
-                line,
-                Fault::Range { field: "evaluation_s".into(), value, accepted: "a number in [0, wall_s]" },
-            );
+        let eval_index = timing.eval_index;
+        if let Some(wrong) = impossible(&timing) {
+            fault(line, wrong);
         } else if let Some((first, _)) = by_index.get(&eval_index) {
             fault(line, Fault::Duplicate { eval_index, first: *first });
         } else {
@@ -93,6 +86,24 @@ pub(super) fn timings(lines: Vec<(usize, Timing)>, path: &Path, problems: &mut V
         }
     }
     by_index.into_values().map(|(_, timing)| timing).collect()
+}
+
+/// The first thing about a timing that rules it out.
+fn impossible(timing: &Timing) -> Option<Fault> {
+    let Timing { wall_s, evaluation_s, teacher_s, learning_s, .. } = *timing;
+    let range = |field: &str, value: f64, accepted| {
+        Some(Fault::Range { field: field.to_owned(), value: value.to_string(), accepted })
+    };
+    if !(wall_s.is_finite() && wall_s >= 0.0) {
+        return range("wall_s", wall_s, "a number of at least 0");
+    }
+    let parts =
+        [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
+    let (field, value) = parts
+        .into_iter()
+        .filter_map(|(field, value)| Some((field, value?)))
+        .find(|(_, value)| !(0.0..=wall_s).contains(value))?;
+    range(field, value, "a number in [0, wall_s]")
 }
 
 /// Names a failed run, and a run whose last evaluation lies behind its end.

@@ -31,6 +31,8 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
         step: record.step,
         wall_s: 1.8 * record.step as f64,
         evaluation_s: 0.0,
+        teacher_s: Some(0.36 * record.step as f64),
+        learning_s: Some(0.9 * record.step as f64),
     };
     let outcome = Outcome::Finished { step: records.last().map_or(0, |record| record.step) };
     fs::write(folder.join(layout::MANIFEST), line(&manifest)).unwrap();

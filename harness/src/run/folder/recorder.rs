@@ -139,6 +139,8 @@ impl Recorder {
             step: record.step,
             wall_s: self.wall_s(),
             evaluation_s: self.evaluation_s,
+            teacher_s: None,
+            learning_s: None,
         };
         self.timing.append(&timing)
     }
