@@ -16,6 +16,7 @@ mod registry;
 pub mod run;
 pub mod status;
 pub mod suggest;
+pub mod tracking;
 
 pub use error::HarnessError;
 pub use registry::Registry;

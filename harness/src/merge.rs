@@ -11,6 +11,7 @@ use crate::error::HarnessError;
 use crate::run::checkpoint::{CHECKPOINT, REPLAY};
 use crate::run::folder::read_json;
 use crate::status::find_runs;
+use crate::tracking::EVENTS;
 
 /// What a merge did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,7 +134,9 @@ fn copy_folder(from: &Path, to: &Path) -> Result<(), HarnessError> {
         layout::TIMING,
         layout::OUTCOME,
         layout::CRASHES,
+        layout::WORKER_LOG,
         CHECKPOINT,
+        EVENTS,
     ];
     for name in files.iter().filter(|name| from.join(name).exists()) {
         let path = from.join(name);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{manifest.json, records.jsonl, teaching.jsonl, timing.jsonl,
-//!                                                     outcome.json, crashes.jsonl}
+//!                                                     outcome.json, crashes.jsonl, worker.log}
 //! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, tables/*.tex, figures/*.{svg, png}}
 //! ```
 
@@ -23,6 +23,9 @@ pub const OUTCOME: &str = "outcome.json";
 
 /// Name of the file that notes crashed workers of a run.
 pub const CRASHES: &str = "crashes.jsonl";
+
+/// Name of the file that keeps what a run's workers said on standard error; absent where they said nothing.
+pub const WORKER_LOG: &str = "worker.log";
 
 /// The folder of all runs of a results folder.
 pub fn runs_dir(results: &Path) -> PathBuf {

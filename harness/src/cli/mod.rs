@@ -13,7 +13,7 @@ mod status;
 mod verify;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -65,6 +65,9 @@ enum Command {
     Worker {
         /// The run's folder
         folder: PathBuf,
+        /// Keep a TensorBoard event file
+        #[arg(long)]
+        tensorboard: bool,
     },
     /// Carry out task INDEX of a submitted job array (what `run --executor slurm` submits)
     #[command(hide = true)]
@@ -89,13 +92,25 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Verify(args) => verify::verify(&args),
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
-        Command::Worker { folder } => crate::executor::worker::work(&registry, &folder)
-            .map(|outcome| if outcome.is_some() { ExitCode::SUCCESS } else { ExitCode::from(STOPPED) }),
+        Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),
     };
     result.unwrap_or_else(|error| {
         complain(&format!("goalbench: {error}"));
         ExitCode::from(WRONG_INPUT)
     })
+}
+
+/// `goalbench worker`. A disk that fails it is no wrong input: it may go better another time.
+fn worker(registry: &Registry, folder: &Path, tensorboard: bool) -> Exit {
+    match crate::executor::worker::work(registry, folder, tensorboard) {
+        Ok(Some(_)) => Ok(ExitCode::SUCCESS),
+        Ok(None) => Ok(ExitCode::from(STOPPED)),
+        Err(error @ HarnessError::Io { .. }) => {
+            complain(&format!("goalbench: {error}"));
+            Ok(ExitCode::from(FAILED))
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// Writes to standard output. A reader that went away (`| head`) is no error.

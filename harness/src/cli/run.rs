@@ -11,7 +11,7 @@ use crate::Registry;
 use crate::config::layer::Layer;
 use crate::config::seeds;
 use crate::error::HarnessError;
-use crate::executor::local::{self, Limits};
+use crate::executor::local::{self, Conduct};
 use crate::executor::signals::Stopper;
 use crate::executor::slurm::{self, Request};
 use crate::executor::{Ending, Job, Lock, survey};
@@ -19,6 +19,7 @@ use crate::progress;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, presets};
 use crate::run::folder::State;
+use crate::tracking::EventFile;
 
 #[derive(clap::Args)]
 #[command(after_help = "Without PROTOCOL and --preset, --env and --curriculum say what to run.\n\
@@ -54,6 +55,9 @@ pub(super) struct Args {
     /// How often a run whose worker crashed is begun again from its checkpoint
     #[arg(long, value_name = "N", default_value_t = 2)]
     retries: u32,
+    /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
+    #[arg(long)]
+    tensorboard: bool,
     /// Where runs are carried out
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
@@ -132,6 +136,13 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let _lock = Lock::take(&results)?;
     // Another `run` may have worked here between the first look and the lock.
     let jobs = survey(&plan, &results)?;
+    if args.tensorboard {
+        for job in jobs.iter().filter(|job| matches!(job.state, State::Ended(_))) {
+            // No worker will: it ended before.
+            EventFile::rewrite(&job.folder)
+                .map_err(HarnessError::io(&job.folder, "write an event file in this folder"))?;
+        }
+    }
     if args.executor == Executor::Slurm {
         return submit(&jobs, &results, &plan.name, args);
     }
@@ -144,8 +155,8 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
     })
     .map_err(HarnessError::io("goalbench", "listen for signals"))?;
-    let limits = Limits { parallel, retries: args.retries };
-    let endings = local::execute(&jobs, limits, &stopper, display.as_ref())?;
+    let conduct = Conduct { parallel, retries: args.retries, tensorboard: args.tensorboard };
+    let endings = local::execute(&jobs, conduct, &stopper, display.as_ref())?;
     drop(display);
     summarise(&jobs, &endings, &results)
 }
@@ -159,6 +170,7 @@ fn submit(jobs: &[Job], results: &Path, name: &str, args: &Args) -> Exit {
         at_once: args.slurm.at_once,
         chunk: args.slurm.chunk.map_or(1, usize::from),
         retries: args.retries,
+        tensorboard: args.tensorboard,
         extra: args.slurm.extra.clone(),
     };
     let place = results.display();

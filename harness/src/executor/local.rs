@@ -1,5 +1,6 @@
 //! Runs side by side on this machine, each in a worker process.
 
+mod complaints;
 mod supervise;
 
 use std::sync::Mutex;
@@ -10,13 +11,15 @@ use crate::progress::Display;
 use crate::run::folder::{self, State};
 use supervise::Supervisor;
 
-/// How many runs at once, and how often a crashed one is begun again.
+/// How runs are carried out; nothing of it changes what they record.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct Conduct {
     /// Runs side by side.
     pub parallel: usize,
     /// Further attempts, from its checkpoint, for a run whose worker crashed.
     pub retries: u32,
+    /// Whether each run keeps a TensorBoard event file.
+    pub tensorboard: bool,
 }
 
 /// Carries out all `jobs` that have not ended, in order. Gives every job's ending.
@@ -25,7 +28,7 @@ pub struct Limits {
 /// [`HarnessError`] if run folders or threads cannot be made; endings of single runs are no errors.
 pub fn execute(
     jobs: &[Job],
-    limits: Limits,
+    conduct: Conduct,
     stopper: &Stopper,
     display: &dyn Display,
 ) -> Result<Vec<Ending>, HarnessError> {
@@ -34,10 +37,10 @@ pub fn execute(
     }
     let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(limits.parallel)
+        .num_threads(conduct.parallel)
         .build()
         .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
-    let supervisor = Supervisor { program: &program, retries: limits.retries, stopper, display };
+    let supervisor = Supervisor { program: &program, conduct, stopper, display };
     let endings: Vec<Mutex<Option<Ending>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     pool.in_place_scope_fifo(|scope| {
         for (job, ending) in jobs.iter().zip(&endings) {

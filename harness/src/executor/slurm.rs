@@ -12,7 +12,7 @@ use std::process::Command;
 use reports::record::Manifest;
 use serde::{Deserialize, Serialize};
 
-use super::local::{self, Limits};
+use super::local::{self, Conduct};
 use super::signals::Stopper;
 use super::{Ending, Job};
 use crate::error::HarnessError;
@@ -37,6 +37,8 @@ pub struct Request {
     pub chunk: usize,
     /// Further attempts for a run whose worker crashed.
     pub retries: u32,
+    /// Whether each run keeps a TensorBoard event file.
+    pub tensorboard: bool,
     /// Further options of `sbatch`, each as one would type it.
     pub extra: Vec<String>,
 }
@@ -50,6 +52,7 @@ const WARNING_S: u32 = 120;
 struct Tasks {
     results: PathBuf,
     retries: u32,
+    tensorboard: bool,
     tasks: Vec<Vec<PathBuf>>,
 }
 
@@ -74,7 +77,8 @@ pub fn submit(
     let relative = |job: &Job| reports::layout::run_dir(Path::new(""), &job.manifest.run);
     let tasks =
         open.chunks(request.chunk.max(1)).map(|chunk| chunk.iter().map(|job| relative(job)).collect());
-    let tasks = Tasks { results, retries: request.retries, tasks: tasks.collect() };
+    let tasks =
+        Tasks { results, retries: request.retries, tensorboard: request.tensorboard, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
     folder::write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
@@ -168,8 +172,8 @@ pub fn task(list: &Path, index: usize) -> Result<(Vec<Job>, Vec<Ending>), Harnes
         folders.iter().map(|folder| job(&tasks.results.join(folder))).collect::<Result<Vec<_>, _>>()?;
     let stopper = Stopper::listen(|| {}).map_err(HarnessError::io(list, "listen for signals"))?;
     let display = progress::lines(&jobs, 1);
-    let endings =
-        local::execute(&jobs, Limits { parallel: 1, retries: tasks.retries }, &stopper, display.as_ref())?;
+    let conduct = Conduct { parallel: 1, retries: tasks.retries, tensorboard: tasks.tensorboard };
+    let endings = local::execute(&jobs, conduct, &stopper, display.as_ref())?;
     Ok((jobs, endings))
 }
 

@@ -10,17 +10,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use reports::layout;
-use reports::record::{Manifest, Outcome, Record, RunKey, Teaching};
+use reports::record::{Manifest, Outcome, Record, Teaching};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::Lock;
 use super::event::Event;
 use crate::Registry;
 use crate::error::HarnessError;
-use crate::run::checkpoint::{self, Checkpoint, REPLAY};
+use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
 use crate::run::folder::{Progress, Recorder, read_json};
 use crate::run::manifest;
-use crate::run::train::{End, RunError, Trainer, TrainerState, Watcher, Wish};
+use crate::run::train::{End, Phase, RunError, Trainer, TrainerState, Watcher, Wish};
 
 /// At most one [`Event::Step`] in this time.
 const STEP_INTERVAL: Duration = Duration::from_millis(500);
@@ -31,10 +31,11 @@ const LOCK_PATIENCE: Duration = Duration::from_secs(20);
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
 
 /// Carries out the run of `folder` and records how it ended; `None` if it was stopped by a signal and can go on later.
+/// With `tensorboard` it keeps an event file beside the records.
 ///
 /// # Errors
 /// [`HarnessError`] if the run could not be begun or recorded. A run that breaks down is no error: that is its outcome.
-pub fn work(registry: &Registry, folder: &Path) -> Result<Option<Outcome>, HarnessError> {
+pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Option<Outcome>, HarnessError> {
     let path = folder.join(layout::MANIFEST);
     let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
     let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("there is no manifest".into()))?;
@@ -55,7 +56,12 @@ pub fn work(registry: &Registry, folder: &Path) -> Result<Option<Outcome>, Harne
     }
     agents::prepare_thread();
     let cannot_run = |error: RunError| HarnessError::Run { run: key.to_string(), reason: error.to_string() };
-    let found = checkpoint::read(folder, &manifest.hash).map_err(|error| damaged_checkpoint(key, &error))?;
+    let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
+        CheckpointError::Io { path, source } => {
+            HarnessError::Io { path, action: "read this checkpoint", source }
+        }
+        damaged => HarnessError::Run { run: key.to_string(), reason: damaged.to_string() },
+    })?;
     let mut trainer = Trainer::new(registry, key.clone(), config).map_err(cannot_run)?;
     let progress = match &found {
         Some(checkpoint) => {
@@ -68,7 +74,7 @@ pub fn work(registry: &Registry, folder: &Path) -> Result<Option<Outcome>, Harne
         folder: folder.to_owned(),
         replay: folder.join(REPLAY),
         hash: manifest.hash.clone(),
-        recorder: Recorder::open(folder, &progress).map_err(recording)?,
+        recorder: Recorder::open(folder, &progress, tensorboard).map_err(recording)?,
         out: std::io::stdout().lock(),
         last_step: Instant::now(),
         stop: stop_flag().map_err(recording)?,
@@ -88,10 +94,6 @@ pub fn work(registry: &Registry, folder: &Path) -> Result<Option<Outcome>, Harne
     checkpoint::clear_replay(folder).map_err(recording)?;
     send(&mut out, &Event::Ended { outcome: outcome.clone() }).map_err(recording)?;
     Ok(Some(outcome))
-}
-
-fn damaged_checkpoint(run: &RunKey, error: &checkpoint::CheckpointError) -> HarnessError {
-    HarnessError::Run { run: run.to_string(), reason: error.to_string() }
 }
 
 fn recording_error(folder: &Path, source: std::io::Error) -> HarnessError {
@@ -132,8 +134,8 @@ struct Reporter<'a> {
 }
 
 impl Watcher for Reporter<'_> {
-    fn evaluating(&mut self) {
-        self.recorder.evaluating();
+    fn spent(&mut self, phase: Phase, time: Duration) {
+        self.recorder.spent(phase, time);
     }
 
     fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {

@@ -19,7 +19,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 pub const REPLAY: &str = "replay";
 
 const MAGIC: [u8; 4] = *b"GBCK";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 12;
 
 /// A run between two cycles.

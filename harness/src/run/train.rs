@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use agents::{Agent, AgentError, Episode, Mode};
 use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
@@ -11,7 +12,7 @@ use reports::record::{Record, RunKey, Teaching};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::evaluate::evaluate;
+use super::evaluate::{LOCKSTEP, evaluate};
 use crate::Registry;
 use crate::config::RunConfig;
 
@@ -61,10 +62,21 @@ pub enum End {
     Stopped,
 }
 
+/// Where a run's time goes, as far as it is told apart; the rest is physics, acting and bookkeeping of training episodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The teacher proposes goals, observes episodes and learns: the price of the curriculum.
+    Teacher,
+    /// The student takes its gradient steps.
+    Learning,
+    /// The student is evaluated.
+    Evaluation,
+}
+
 /// Who hears of a run's progress. The loop computes; watchers record, display and decide when to save.
 pub trait Watcher {
-    /// An evaluation begins (its duration is not training time).
-    fn evaluating(&mut self) {}
+    /// The run spent `time` in `phase`.
+    fn spent(&mut self, phase: Phase, time: Duration);
 
     /// An evaluation is over.
     ///
@@ -133,8 +145,8 @@ pub struct Trainer {
     key: RunKey,
     config: RunConfig,
     env: Box<dyn GoalEnv>,
-    /// A second instance, so that evaluations leave the training environment alone.
-    evaluation_env: Box<dyn GoalEnv>,
+    /// Further instances, so that evaluations leave the training environment alone.
+    evaluation_envs: Vec<Box<dyn GoalEnv>>,
     agent: Box<dyn Agent>,
     curriculum: Box<dyn Curriculum>,
     pool: Arc<Goals>,
@@ -158,12 +170,14 @@ impl Trainer {
         let entry = registry.environment(&key.environment).expect(known);
         let options = envs::registry::Options { native_ccd: config.physics.native_ccd };
         let env = entry.make(&options)?;
-        let mut evaluation_env = entry.make(&options)?;
+        let instances = config.evaluation.episodes.min(LOCKSTEP);
+        let mut evaluation_envs =
+            (0..instances).map(|_| entry.make(&options)).collect::<Result<Vec<_>, _>>()?;
         let spec = env.spec().clone();
 
         let method = registry.curriculum(&key.curriculum).expect(known);
         let pool = if method.uses_pool {
-            draw_pool(evaluation_env.as_mut(), config.pool.size, &mut stream(key.seed, Purpose::Pool))?
+            draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut stream(key.seed, Purpose::Pool))?
         } else {
             Goals::new(spec.goal)
         };
@@ -181,7 +195,7 @@ impl Trainer {
             curriculum: (method.build)(&own, &setting)?,
             streams: Streams::new(key.seed),
             env,
-            evaluation_env,
+            evaluation_envs,
             pool,
             key,
             config,
@@ -216,7 +230,11 @@ impl Trainer {
             evaluations: self.evaluations,
             streams: self.streams.clone(),
             teaching: self.teaching.clone(),
-            student: self.agent.save(replay)?,
+            // A log that cannot be written says nothing against the run: another attempt may have the space.
+            student: self.agent.save(replay).map_err(|error| match error {
+                AgentError::Log { .. } => RunError::Recording(std::io::Error::other(error)),
+                error => error.into(),
+            })?,
             teacher: self.curriculum.save()?,
         })
     }
@@ -231,7 +249,7 @@ impl Trainer {
         }
         while self.step < self.config.budget.steps {
             let reached = self.step / self.config.evaluation.every;
-            self.cycle()?;
+            self.cycle(watcher)?;
             let due =
                 self.step / self.config.evaluation.every > reached || self.step >= self.config.budget.steps;
             if due {
@@ -250,31 +268,39 @@ impl Trainer {
     }
 
     /// A cycle: some episodes, then student and teacher learn.
-    fn cycle(&mut self) -> Result<(), RunError> {
+    fn cycle(&mut self, watcher: &mut dyn Watcher) -> Result<(), RunError> {
         for _ in 0..self.agent.episodes_per_cycle() {
-            let episode = self.episode()?;
+            let episode = self.episode(watcher)?;
             self.agent.observe(&episode, self.env.as_ref(), &mut self.streams.replay)?;
+            let begun = Instant::now();
             self.curriculum.observe(&episode)?;
+            watcher.spent(Phase::Teacher, begun.elapsed());
             self.teaching.goals.push(episode.goal.iter().map(|&x| x as f32).collect());
             self.teaching.successes.push(episode.success);
         }
+        let begun = Instant::now();
         self.agent.learn(self.env.as_ref(), &mut self.streams.replay)?;
+        let learned = Instant::now();
         self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
+        watcher.spent(Phase::Learning, learned - begun);
+        watcher.spent(Phase::Teacher, learned.elapsed());
         Ok(())
     }
 
     /// One training episode towards the goal that the teacher chooses.
-    fn episode(&mut self) -> Result<Episode, RunError> {
+    fn episode(&mut self, watcher: &mut dyn Watcher) -> Result<Episode, RunError> {
         let env = self.env.as_mut();
         let horizon = env.spec().horizon;
         env.reset(&mut self.streams.environment)?;
         let start = env.observation().clone();
+        let begun = Instant::now();
         let proposal = self.curriculum.propose(&mut Lesson {
             student: self.agent.as_mut(),
             start: &start,
             env,
             rng: &mut self.streams.teacher,
         })?;
+        watcher.spent(Phase::Teacher, begun.elapsed());
         match proposal {
             Proposal::Native => {}
             Proposal::Pool(index) if index < self.pool.len() => env.set_goal(self.pool.row(index))?,
@@ -303,10 +329,11 @@ impl Trainer {
     }
 
     fn evaluate(&mut self, watcher: &mut dyn Watcher) -> Result<(), RunError> {
-        watcher.evaluating();
+        let begun = Instant::now();
         let episodes = self.config.evaluation.episodes;
         let mut rng = stream(self.key.seed, Purpose::Evaluation(self.evaluations));
-        let score = evaluate(self.evaluation_env.as_mut(), self.agent.as_mut(), episodes, &mut rng)?;
+        let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), episodes, &mut rng)?;
+        watcher.spent(Phase::Evaluation, begun.elapsed());
         let statistics = self.curriculum.statistics().into_iter();
         let record = Record {
             environment: self.key.environment.clone(),

@@ -1,14 +1,16 @@
 //! Following one run through its worker processes: events, crashes, attempts.
 
 use std::fs::OpenOptions;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use reports::layout;
 use reports::record::Crash;
 
+use super::Conduct;
+use super::complaints::{Complaints, describe};
 use crate::executor::event::Event;
 use crate::executor::signals::Stopper;
 use crate::executor::{Ending, Job};
@@ -21,7 +23,7 @@ const REFUSED: i32 = 2;
 /// What all jobs share.
 pub(super) struct Supervisor<'a> {
     pub(super) program: &'a Path,
-    pub(super) retries: u32,
+    pub(super) conduct: Conduct,
     pub(super) stopper: &'a Stopper,
     pub(super) display: &'a dyn Display,
 }
@@ -63,10 +65,10 @@ impl Supervisor<'_> {
                 Attempt::Crash(_) if self.stopper.is_stopping() => return Ending::Stopped,
                 Attempt::Crash(reason) => {
                     self.note_crash(job, attempt, &reason);
-                    if attempt == self.retries {
+                    if attempt == self.conduct.retries {
                         return Ending::Crashed { reason };
                     }
-                    let left = self.retries - attempt;
+                    let left = self.conduct.retries - attempt;
                     self.display.note(&format!(
                         "{}: {reason}; going on from its checkpoint ({left} attempts left)",
                         job.manifest.run
@@ -81,23 +83,23 @@ impl Supervisor<'_> {
         let mut command = Command::new(self.program);
         // A process group of its own: Ctrl-C reaches this process alone, which then tells the workers.
         command.arg("worker").arg(&job.folder).process_group(0);
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        if self.conduct.tensorboard {
+            command.arg("--tensorboard");
+        }
+        let log = Complaints::open(&job.folder).and_then(|log| Ok((log.stdio()?, log)));
+        let (stderr, log) = match log {
+            Ok(log) => log,
+            Err(error) => return Attempt::Crash(format!("{}: {error}", layout::WORKER_LOG)),
+        };
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(stderr);
         match command.spawn() {
-            Ok(child) => self.follow(child, job),
+            Ok(child) => self.follow(child, job, log),
             Err(error) => Attempt::Crash(format!("cannot start a worker: {error}")),
         }
     }
 
-    fn follow(&self, mut child: Child, job: &Job) -> Attempt {
+    fn follow(&self, mut child: Child, job: &Job, log: Complaints) -> Attempt {
         let _registered = self.stopper.register(&child);
-        let mut complaints = child.stderr.take().expect("stderr is piped");
-        // Read beside the events, or a worker that complains at length would block on a full pipe.
-        let listener = std::thread::spawn(move || {
-            let mut text = Vec::new();
-            // What cannot be read is not shown; the exit status still tells of the failure.
-            let _ = complaints.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
-        });
         let mut last = None;
         for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines() {
             let Ok(line) = line else { break };
@@ -109,7 +111,7 @@ impl Supervisor<'_> {
             }
         }
         let status = child.wait();
-        let complaints = listener.join().unwrap_or_default();
+        let complaints = log.close();
         match (last, status) {
             (Some(ending), _) => Attempt::Over(ending),
             (None, Ok(status)) if status.code() == Some(REFUSED) => {
@@ -134,16 +136,5 @@ impl Supervisor<'_> {
         if let Err(error) = written {
             self.display.note(&format!("{}: cannot note the crash: {error}", path.display()));
         }
-    }
-}
-
-/// The exit status and the line in which the worker said why: its own message, what follows "panicked at", or else its first.
-fn describe(status: ExitStatus, complaints: &str) -> String {
-    let mut lines = complaints.lines().map(str::trim).filter(|line| !line.is_empty());
-    let own = lines.clone().find(|line| line.starts_with("goalbench: "));
-    let panic = lines.clone().skip_while(|line| !line.contains("panicked at")).nth(1);
-    match own.or(panic).or_else(|| lines.next()) {
-        Some(line) => format!("{line} ({status})"),
-        None => format!("the worker ended without a word ({status})"),
     }
 }

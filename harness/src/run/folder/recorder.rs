@@ -3,13 +3,15 @@
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use reports::layout;
 use reports::record::{Outcome, Record, Teaching, Timing};
 use serde::{Deserialize, Serialize};
 
 use super::write_json;
+use crate::run::train::Phase;
+use crate::tracking::EventFile;
 
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -18,7 +20,15 @@ pub struct Progress {
     teaching: Written,
     timing: Written,
     wall_s: f64,
-    evaluation_s: f64,
+    spent: Spent,
+}
+
+/// Seconds since the run began, by [`Phase`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Spent {
+    teacher: f64,
+    learning: f64,
+    evaluation: f64,
 }
 
 /// The first `bytes` of a file, with their CRC-32.
@@ -75,28 +85,33 @@ pub struct Recorder {
     records: Log,
     teaching: Log,
     timing: Log,
+    events: Option<EventFile>,
     /// Seconds of earlier attempts, up to the checkpoint that this one goes on from.
     wall_before: f64,
     begun: Instant,
-    evaluating_since: Option<Instant>,
-    evaluation_s: f64,
+    spent: Spent,
 }
 
 impl Recorder {
     /// Goes on after `progress`; its default begins anew. Lines written after it are cut off: the run writes them again.
+    /// With `tensorboard` it keeps an event file, too.
     ///
     /// # Errors
     /// If the files cannot be written, or are not those that `progress` was noted of.
-    pub fn open(folder: &Path, progress: &Progress) -> std::io::Result<Self> {
+    pub fn open(folder: &Path, progress: &Progress, tensorboard: bool) -> std::io::Result<Self> {
+        let records = Log::open(folder.join(layout::RECORDS), progress.records)?;
+        let teaching = Log::open(folder.join(layout::TEACHING), progress.teaching)?;
+        let timing = Log::open(folder.join(layout::TIMING), progress.timing)?;
         Ok(Self {
             folder: folder.to_owned(),
-            records: Log::open(folder.join(layout::RECORDS), progress.records)?,
-            teaching: Log::open(folder.join(layout::TEACHING), progress.teaching)?,
-            timing: Log::open(folder.join(layout::TIMING), progress.timing)?,
+            records,
+            teaching,
+            timing,
+            // After the logs are cut to what the checkpoint knows of.
+            events: tensorboard.then(|| EventFile::rewrite(folder)).transpose()?,
             wall_before: progress.wall_s,
             begun: Instant::now(),
-            evaluating_since: None,
-            evaluation_s: progress.evaluation_s,
+            spent: progress.spent,
         })
     }
 
@@ -113,7 +128,7 @@ impl Recorder {
             teaching: self.teaching.written(),
             timing: self.timing.written(),
             wall_s: self.wall_s(),
-            evaluation_s: self.evaluation_s,
+            spent: self.spent,
         })
     }
 
@@ -121,9 +136,14 @@ impl Recorder {
         self.wall_before + self.begun.elapsed().as_secs_f64()
     }
 
-    /// Notes that an evaluation begins.
-    pub fn evaluating(&mut self) {
-        self.evaluating_since = Some(Instant::now());
+    /// Notes that the run spent `time` in `phase`.
+    pub fn spent(&mut self, phase: Phase, time: Duration) {
+        let sum = match phase {
+            Phase::Teacher => &mut self.spent.teacher,
+            Phase::Learning => &mut self.spent.learning,
+            Phase::Evaluation => &mut self.spent.evaluation,
+        };
+        *sum += time.as_secs_f64();
     }
 
     /// Appends one evaluation and what the teacher did before it.
@@ -131,18 +151,21 @@ impl Recorder {
     /// # Errors
     /// If the files cannot be written.
     pub fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
-        self.evaluation_s += self.evaluating_since.take().map_or(0.0, |since| since.elapsed().as_secs_f64());
         self.records.append(record)?;
         self.teaching.append(teaching)?;
         let timing = Timing {
             eval_index: record.eval_index,
             step: record.step,
             wall_s: self.wall_s(),
-            evaluation_s: self.evaluation_s,
-            teacher_s: None,
-            learning_s: None,
+            evaluation_s: self.spent.evaluation,
+            teacher_s: Some(self.spent.teacher),
+            learning_s: Some(self.spent.learning),
         };
-        self.timing.append(&timing)
+        self.timing.append(&timing)?;
+        match &mut self.events {
+            Some(events) => events.append(record, teaching, &timing),
+            None => Ok(()),
+        }
     }
 
     /// Ends the run.
