@@ -100,6 +100,29 @@ fn an_episode_depends_on_its_stream_alone() {
     }
 }
 
+/// Evaluations step several instances in turn.
+#[test]
+fn instances_stepped_in_turn_do_not_disturb_each_other() {
+    for id in KINDS {
+        let mut pair = [build(id), build(id)];
+        let seeds = [4, 5];
+        let mut actions = seeds.map(|seed| stream(seed, Purpose::Exploration));
+        for (env, seed) in pair.iter_mut().zip(seeds) {
+            env.reset(&mut stream(seed, Purpose::Environment)).unwrap();
+        }
+        for _ in 0..8 {
+            for (env, actions) in pair.iter_mut().zip(&mut actions) {
+                env.step(&random_action(env.as_ref(), actions)).unwrap();
+            }
+        }
+        for (env, seed) in pair.iter().zip(seeds) {
+            let alone = episode(build(id).as_mut(), seed, 8);
+            assert_eq!(env.goal(), alone[0], "{id}");
+            assert_eq!(Some(&env.observation().achieved), alone.last(), "{id}");
+        }
+    }
+}
+
 #[test]
 fn a_goal_is_refused_or_taken_whole() {
     for row in ENVIRONMENTS {

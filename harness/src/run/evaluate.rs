@@ -1,10 +1,17 @@
 //! Measuring a student.
 
-use agents::{Agent, Mode};
-use envs::GoalEnv;
+use agents::{Critic, Network};
 use envs::rng::Rng;
+use envs::{GoalEnv, Rows};
 
 use super::train::RunError;
+
+/// Episodes that are played in lockstep, at most: the policy then answers for all of them at once.
+///
+/// Every environment allows it. Twenty instances of a maze take 0.1 MB and 0.04 ms, of a Hand task 3 MB and 5 ms, of a Fetch
+/// task 4 MB and 0.3 to 0.5 s (each simulates the set-up once), once per run; their steps take as long as those of one instance.
+/// Asking for one action at a time costs 15 µs per step on the CPU and ten times that on a GPU.
+pub const LOCKSTEP: u64 = 20;
 
 /// What an evaluation found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,30 +22,110 @@ pub struct Score {
     pub mean_return: f64,
 }
 
-/// Runs `episodes` greedy episodes with starts and goals from the environment's own distribution, drawn from `rng` alone.
+/// Runs `episodes` greedy episodes with starts and goals from the environment's own distribution, drawn from `rng` alone, one
+/// after the other. As many episodes as there are instances in `envs` are played in lockstep.
+///
+/// The number of instances changes neither starts nor goals; it changes actions by rounding alone, because a product of
+/// several rows may add up in another order than one of a single row.
 ///
 /// # Errors
 /// [`RunError`] if physics or student break down.
+///
+/// # Panics
+/// If `envs` is empty.
 pub fn evaluate(
-    env: &mut dyn GoalEnv,
-    agent: &mut dyn Agent,
+    envs: &mut [Box<dyn GoalEnv>],
+    student: &mut dyn Critic,
     episodes: u64,
     rng: &mut Rng,
 ) -> Result<Score, RunError> {
-    let horizon = env.spec().horizon;
-    let mut action = vec![0.0; env.spec().action];
-    let (mut successes, mut total_return) = (0u64, 0.0);
-    for _ in 0..episodes {
-        env.reset(rng)?;
-        for _ in 0..horizon {
-            agent.act(env.observation(), env.goal(), Mode::Greedy, &mut action)?;
-            env.step(&action)?;
-            total_return += env.reward(&env.observation().achieved, env.goal());
-        }
-        successes += u64::from(env.success(&env.observation().achieved, env.goal()));
+    let (mut successes, mut total_return, mut left) = (0u64, 0.0, episodes);
+    assert!(!envs.is_empty(), "an evaluation needs an environment");
+    while left > 0 {
+        let group = left.min(envs.len() as u64);
+        let playing = &mut envs[..group as usize];
+        total_return += play(playing, student, rng)?;
+        let succeeded = |env: &&Box<dyn GoalEnv>| env.success(&env.observation().achieved, env.goal());
+        successes += playing.iter().filter(succeeded).count() as u64;
+        left -= group;
     }
     Ok(Score {
         success_rate: successes as f64 / episodes as f64,
         mean_return: total_return / episodes as f64,
     })
+}
+
+/// Plays one episode on each of `envs` in lockstep. Gives the sum of all rewards.
+fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic, rng: &mut Rng) -> Result<f64, RunError> {
+    let spec = envs[0].spec().clone();
+    let (mut states, mut goals) = (Rows::new(spec.state), Rows::new(spec.goal));
+    for env in &mut *envs {
+        env.reset(rng)?;
+        goals.push(env.goal());
+    }
+    let mut total_return = 0.0;
+    for _ in 0..spec.horizon {
+        states.clear();
+        envs.iter().for_each(|env| states.push(&env.observation().state));
+        let actions = student.policy(&states, &goals, Network::Online)?;
+        for (env, action) in envs.iter_mut().zip(actions.iter()) {
+            env.step(action)?;
+            total_return += env.reward(&env.observation().achieved, env.goal());
+        }
+    }
+    Ok(total_return)
+}
+
+#[cfg(test)]
+mod tests {
+    use agents::{Agent, Mode, StudentConfig};
+    use envs::GoalEnv;
+    use envs::rng::{Purpose, Rng, stream};
+
+    use super::{Score, evaluate};
+
+    fn instances(id: &str, count: usize) -> Vec<Box<dyn GoalEnv>> {
+        let make = |_| envs::make(id, &envs::Options::default()).expect("a built-in environment");
+        (0..count).map(make).collect()
+    }
+
+    fn student(env: &dyn GoalEnv) -> Box<dyn Agent> {
+        agents::prepare_thread();
+        agents::make(&StudentConfig::default(), env.spec(), 1).expect("the default student")
+    }
+
+    /// One episode after the other, one action at a time.
+    fn one_by_one(env: &mut dyn GoalEnv, agent: &mut dyn Agent, episodes: u64, rng: &mut Rng) -> Score {
+        let (mut successes, mut total_return) = (0, 0.0);
+        let mut action = vec![0.0; env.spec().action];
+        for _ in 0..episodes {
+            env.reset(rng).expect("a stable start");
+            for _ in 0..env.spec().horizon {
+                let mode = Mode::Greedy;
+                agent.act(env.observation(), env.goal(), mode, &mut action).expect("finite actions");
+                env.step(&action).expect("a stable step");
+                total_return += env.reward(&env.observation().achieved, env.goal());
+            }
+            successes += u32::from(env.success(&env.observation().achieved, env.goal()));
+        }
+        let episodes = episodes as f64;
+        Score { success_rate: f64::from(successes) / episodes, mean_return: total_return / episodes }
+    }
+
+    /// Groups of every size, whole and not. The untrained student passes goals now and then, so that scores tell starts and
+    /// goals apart.
+    #[test]
+    fn lockstep_scores_as_one_episode_after_the_other_does() {
+        const EPISODES: u64 = 507;
+        let mut envs = instances("Point", 20);
+        let mut agent = student(envs[0].as_ref());
+        let draws = |index| stream(2, Purpose::Evaluation(index));
+        let mut alone = |index| one_by_one(envs[0].as_mut(), agent.as_mut(), EPISODES, &mut draws(index));
+        let (expected, other) = (alone(0), alone(1));
+        assert!(expected.success_rate > 0.0 && expected != other, "{expected:?}, {other:?}");
+        for count in [1, 6, 20] {
+            let score = evaluate(&mut envs[..count], agent.as_mut(), EPISODES, &mut draws(0));
+            assert_eq!(score.expect("a healthy evaluation"), expected, "{count} instances");
+        }
+    }
 }
