@@ -7,10 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::CurriculumError;
 
-/// Mean weight at or below which weights count as "all zero". A network's values are single precision, so
-/// anything this small is its rounding and says nothing about goals.
-const FLAT: f64 = 1e-12;
-
 /// A probability for every goal, shape `[n]`: finite, none negative, summing to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
@@ -40,15 +36,19 @@ impl Distribution {
         Self(probabilities)
     }
 
-    /// w_i / Σ w: in proportion to `weights` (none negative). Uniform where all weights are 0 or so small that
-    /// they are rounding (mean at most 1e-12).
+    /// w_i / Σ w: in proportion to `weights` (none negative). Uniform where their mean is at most `negligible`, the
+    /// size at which weights of this kind are rounding and say nothing about goals; 0 if all of them count.
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`], naming the quantity as `what`.
     ///
     /// # Panics
     /// If there is no weight, or one is negative.
-    pub fn proportional(weights: &[f64], what: &'static str) -> Result<Self, CurriculumError> {
+    pub fn proportional(
+        weights: &[f64],
+        negligible: f64,
+        what: &'static str,
+    ) -> Result<Self, CurriculumError> {
         let largest = largest(weights, what)?;
         assert!(weights.iter().all(|&w| w >= 0.0), "{what}: a weight is negative");
         if largest == 0.0 {
@@ -57,7 +57,7 @@ impl Distribution {
         // Relative to the largest, so that no sum can overflow.
         let mut probabilities: Vec<f64> = weights.iter().map(|w| w / largest).collect();
         let total: f64 = probabilities.iter().sum();
-        if total * largest <= FLAT * weights.len() as f64 {
+        if total * largest <= negligible * weights.len() as f64 {
             return Ok(Self::uniform(weights.len()));
         }
         probabilities.iter_mut().for_each(|p| *p /= total);

@@ -1,17 +1,18 @@
 //! The teachers: automatic curricula over goals.
 //!
 //! [`Curriculum`] is what a teacher does during a run, [`Method`] what it is as an entry of a table, and
-//! [`CURRICULA`] the table of those that come with this crate. A new teacher is one file in [`methods`] and one
-//! row of the table; outside this workspace it is the same file and an [`Entry`] made from it.
+//! [`CURRICULA`] the table of those that come with this crate. A new teacher is one file, declared in [`methods`], and
+//! one row of the table; outside this workspace it is the same file and an [`Entry`] made from it.
 //!
 //! The other modules are what teachers have in common: a [`Probe`] asks the student for its confidence, a
-//! [`Window`] remembers the answers, a [`Distribution`] over goals comes of them, and [`snapshot`] keeps it all
-//! for a resumed run.
+//! [`Window`] remembers the answers, a [`Distribution`] over goals comes of them (both are a [`PoolState`]), and
+//! [`snapshot`] keeps it all for a resumed run.
 
 mod curriculum;
 mod distribution;
 mod error;
 pub mod methods;
+mod pool_state;
 mod probe;
 mod registry;
 pub mod snapshot;
@@ -21,7 +22,8 @@ mod window;
 pub use curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
-pub use probe::{Probe, ProbeConfig, StateSource};
+pub use pool_state::PoolState;
+pub use probe::{Answer, Probe, ProbeConfig, StateSource};
 pub use registry::{Build, CURRICULA, Entry, Method};
-pub use variance::population_variance;
+pub use variance::{ROUNDING, population_variance};
 pub use window::Window;

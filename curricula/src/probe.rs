@@ -45,6 +45,17 @@ impl ProbeConfig {
     }
 }
 
+/// What comes of asking.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The confidence in every goal, shape `[N]`, within [−1/(1−γ), 0].
+    Confidence(Vec<f64>),
+    /// Nothing was evaluated: the networks have not changed since the last evaluation.
+    Unchanged,
+    /// Nothing was evaluated: replay states are asked for, and there are none yet.
+    NoStates,
+}
+
 /// Measures policy confidence C(g) (TEACH, Eq. 7) over a list of goals, and at most once per state of the
 /// networks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,10 +73,7 @@ impl Probe {
         Self { asked_at: None, evaluations: 0, summary: None }
     }
 
-    /// The student's confidence in every goal of `pool`, shape `[N]`, within [−1/(1−γ), 0].
-    ///
-    /// `None`, and nothing is evaluated, if the networks have not changed since the last evaluation, or if replay
-    /// states are asked for and there are none yet.
+    /// The student's confidence in every goal of `pool`, if there is something to be learned by asking.
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`] or [`CurriculumError::Student`] if the answer is not one finite value per goal.
@@ -74,17 +82,17 @@ impl Probe {
         config: &ProbeConfig,
         pool: &Goals,
         lesson: &mut Lesson<'_>,
-    ) -> Result<Option<Vec<f64>>, CurriculumError> {
+    ) -> Result<Answer, CurriculumError> {
         let now = lesson.student.gradient_steps();
         if self.asked_at == Some(now) {
-            return Ok(None);
+            return Ok(Answer::Unchanged);
         }
         let states = match config.states {
             StateSource::Initial => single(&lesson.start.state),
             StateSource::Replay => lesson.student.replay_states(config.replay_states, lesson.rng),
         };
         if states.is_empty() {
-            return Ok(None);
+            return Ok(Answer::NoStates);
         }
         let values = lesson.student.confidence(pool, &states, config.network)?;
         if values.len() != pool.len() {
@@ -96,7 +104,7 @@ impl Probe {
         self.asked_at = Some(now);
         self.evaluations += 1;
         self.summary = Some(summarise(&values));
-        Ok(Some(values))
+        Ok(Answer::Confidence(values))
     }
 
     /// Evaluations so far, and the mean, smallest and largest confidence at the last one (NaN before the first).

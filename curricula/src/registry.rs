@@ -6,16 +6,16 @@ use toml::Table;
 
 use crate::curriculum::{Curriculum, Setting};
 use crate::error::CurriculumError;
-use crate::methods::{HerIid, HerIidPool, ProCurl, Space, Teach, Vds};
+use crate::methods::{her_iid, her_iid_pool, procurl, space, teach, vds};
 
 /// Every teacher that comes with this crate. A new one is a file in `methods` and a row here.
 pub const CURRICULA: &[Entry] = &[
-    Entry::of::<Teach>(),
-    Entry::of::<HerIid>(),
-    Entry::of::<HerIidPool>(),
-    Entry::of::<Vds>(),
-    Entry::of::<Space>(),
-    Entry::of::<ProCurl>(),
+    Entry::of::<teach::Teach>(),
+    Entry::of::<her_iid::HerIid>(),
+    Entry::of::<her_iid_pool::HerIidPool>(),
+    Entry::of::<vds::Vds>(),
+    Entry::of::<space::Space>(),
+    Entry::of::<procurl::ProCurl>(),
 ];
 
 /// A teaching method: what makes a row of the table.

@@ -1,5 +1,11 @@
 //! The variance that TEACH takes over time and VDS over an ensemble.
 
+/// Standard deviation of a goal's values that says nothing about the goal: their rounding.
+///
+/// Values lie in [−1/(1−γ), 0], which is [−100, 0] for the longest horizon of the paper, in single precision. Neighbouring
+/// numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
+pub const ROUNDING: f64 = 3e-6;
+
 /// Population variance, (1/n) Σ (x − mean)², of `values`; 0 for fewer than two.
 ///
 /// Deviations are taken from the first value, so that equal values give exactly 0 and a common offset costs no

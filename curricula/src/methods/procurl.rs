@@ -26,11 +26,12 @@ use serde::{Deserialize, Serialize};
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::probe::{Probe, ProbeConfig, StateSource};
+use crate::pool_state::PoolState;
+use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
 
-/// Version of [`State`] in saved bytes.
+/// Version of the state in saved bytes.
 const VERSION: u32 = 1;
 
 /// ProCuRL's options.
@@ -106,14 +107,8 @@ pub fn proximity(p: f64) -> f64 {
 pub struct ProCurl {
     config: ProCurlConfig,
     pool: Arc<Goals>,
-    state: State,
-}
-
-/// Everything that changes while teaching.
-#[derive(Serialize, Deserialize)]
-struct State {
-    probe: Probe,
-    curriculum: Distribution,
+    /// Everything that changes while teaching.
+    state: PoolState,
 }
 
 impl Method for ProCurl {
@@ -132,7 +127,7 @@ impl Method for ProCurl {
 
     fn build(config: ProCurlConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         let pool = Arc::clone(&setting.pool);
-        let state = State { probe: Probe::new(), curriculum: Distribution::uniform(pool.len()) };
+        let state = PoolState::new(Distribution::uniform(pool.len()));
         Ok(Box::new(Self { config, pool, state }))
     }
 }
@@ -160,7 +155,7 @@ impl ProCurlConfig {
 impl Curriculum for ProCurl {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let state = &mut self.state;
-        if let Some(confidence) = state.probe.ask(&self.config.probe(), &self.pool, lesson)? {
+        if let Answer::Confidence(confidence) = state.probe.ask(&self.config.probe(), &self.pool, lesson)? {
             state.curriculum = self.config.curriculum(&confidence, lesson.student.lowest_value())?;
         }
         Ok(Proposal::Pool(state.curriculum.draw(lesson.rng)))
@@ -171,9 +166,7 @@ impl Curriculum for ProCurl {
     }
 
     fn statistics(&self) -> Statistics {
-        let mut statistics = self.state.curriculum.statistics().to_vec();
-        statistics.extend(self.state.probe.statistics());
-        statistics
+        self.state.statistics()
     }
 
     fn save(&self) -> Result<Vec<u8>, CurriculumError> {
@@ -181,8 +174,8 @@ impl Curriculum for ProCurl {
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        snapshot::require_goals(state.curriculum.probabilities().len(), self.pool.len())?;
+        let state: PoolState = snapshot::load(Self::ID, VERSION, bytes)?;
+        state.check(self.pool.len())?;
         self.state = state;
         Ok(())
     }
@@ -201,5 +194,14 @@ mod tests {
         assert_eq!(success_probability(-60.0, -50.0, 0.0), 0.0);
         assert_eq!(success_probability(1.0, -50.0, 0.0), 1.0);
         assert_eq!(success_probability(-3.0, -3.0, -3.0), 0.0);
+    }
+
+    #[test]
+    fn the_score_is_largest_at_one_half_symmetric_and_zero_at_both_ends() {
+        for p in (0..=100).map(|percent| f64::from(percent) / 100.0) {
+            assert!((0.0..=0.25).contains(&proximity(p)));
+            assert!((proximity(p) - proximity(1.0 - p)).abs() < 1e-15);
+        }
+        assert_eq!([proximity(0.0), proximity(0.5), proximity(1.0)], [0.0, 0.25, 0.0]);
     }
 }

@@ -19,7 +19,8 @@
 //! - Goals take turns in the order of their rank, and the turn goes on counting across updates; were it to start
 //!   again, only the first goals of a large set would ever be trained on.
 //! - `relative` divides by |V_i(t−1)|. The authors' code divides by V_i(t−1), which turns the order round for the
-//!   negative values of this benchmark's reward.
+//!   negative values of this benchmark's reward, and at the first update by 0: all goals are then equal. Here that
+//!   first update ranks like `signed`. Later, a goal that declines from exactly 0 ranks last.
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' TRPO and PPO.
 
 use std::sync::Arc;
@@ -31,12 +32,13 @@ use serde::{Deserialize, Serialize};
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::{Distribution, require_finite};
 use crate::error::CurriculumError;
-use crate::probe::{Probe, ProbeConfig, StateSource};
+use crate::pool_state::PoolState;
+use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
 
 /// Version of [`State`] in saved bytes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// SPaCE's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,6 +109,11 @@ impl Order {
         }
     }
 
+    /// The order of the first update, when every value counts as having been 0: nothing is relative to that.
+    fn at_first(self) -> Self {
+        if self == Self::Relative { Self::Signed } else { self }
+    }
+
     /// All goals, best first; among equals the one with the lower index.
     pub fn rank(self, values: &[f64], last: &[f64]) -> Vec<usize> {
         let scores: Vec<f64> =
@@ -127,13 +134,12 @@ pub struct Space {
 /// Everything that changes while teaching.
 #[derive(Serialize, Deserialize)]
 struct State {
-    probe: Probe,
+    common: PoolState,
     /// The K goals of the set, best first.
     set: Vec<usize>,
     /// Goals proposed so far.
     turn: usize,
     last: Option<Update>,
-    curriculum: Distribution,
 }
 
 /// What the next update compares with.
@@ -163,7 +169,7 @@ impl Method for Space {
     fn build(config: SpaceConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         let pool = Arc::clone(&setting.pool);
         let curriculum = Distribution::uniform_over(&[0], pool.len());
-        let state = State { probe: Probe::new(), set: vec![0], turn: 0, last: None, curriculum };
+        let state = State { common: PoolState::new(curriculum), set: vec![0], turn: 0, last: None };
         Ok(Box::new(Self { config, pool, state }))
     }
 }
@@ -173,21 +179,21 @@ impl State {
     fn update(&mut self, config: &SpaceConfig, values: Vec<f64>) {
         let mean = self.set.iter().map(|&goal| values[goal]).sum::<f64>() / self.set.len() as f64;
         let (size, mut ranked) = match &self.last {
-            None => (self.set.len(), config.order.rank(&values, &vec![0.0; values.len()])),
+            None => (self.set.len(), config.order.at_first().rank(&values, &vec![0.0; values.len()])),
             Some(last) => {
                 let growth = if stagnates(mean, last.mean, config.eta) { config.kappa } else { 0 };
                 (self.set.len().saturating_add(growth), config.order.rank(&values, &last.values))
             }
         };
         ranked.truncate(size);
-        self.curriculum = Distribution::uniform_over(&ranked, values.len());
+        self.common.curriculum = Distribution::uniform_over(&ranked, values.len());
         self.set = ranked;
         self.last = Some(Update { values, mean });
     }
 
     /// Whether all of it belongs to a pool of `goals`.
     fn check(&self, goals: usize) -> Result<(), CurriculumError> {
-        snapshot::require_goals(self.curriculum.probabilities().len(), goals)?;
+        self.common.check(goals)?;
         if let Some(last) = &self.last {
             snapshot::require_goals(last.values.len(), goals)?;
             require_finite(&last.values, "saved value")
@@ -201,7 +207,9 @@ impl State {
 impl Curriculum for Space {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let state = &mut self.state;
-        if let Some(values) = state.probe.ask(&self.config.probe(), &self.pool, lesson)? {
+        if let Answer::Confidence(values) =
+            state.common.probe.ask(&self.config.probe(), &self.pool, lesson)?
+        {
             state.update(&self.config, values);
         }
         let goal = state.set[state.turn % state.set.len()];
@@ -210,13 +218,12 @@ impl Curriculum for Space {
     }
 
     fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.curriculum.probabilities())
+        Some(self.state.common.curriculum.probabilities())
     }
 
     fn statistics(&self) -> Statistics {
         let state = &self.state;
-        let mut statistics = state.curriculum.statistics().to_vec();
-        statistics.extend(state.probe.statistics());
+        let mut statistics = state.common.statistics();
         statistics.push(("set_size", state.set.len() as f64));
         statistics.push(("set_confidence", state.last.as_ref().map_or(f64::NAN, |last| last.mean)));
         statistics
@@ -261,6 +268,7 @@ mod tests {
     #[test]
     fn relative_order_is_defined_at_zero() {
         assert_eq!(Order::Relative.score(0.0, 0.0), 0.0);
+        // A half, no change, and a decline from 0.
         assert_eq!(Order::Relative.rank(&[-1.0, 0.0, -1.0], &[0.0, 0.0, -2.0]), [2, 1, 0]);
     }
 

@@ -12,6 +12,7 @@
 //! - An evaluation falls due every Δ episodes, and is left out if the networks have not changed since the last
 //!   one: all it could add is what differs between starts and normalisers. With the student's cycle of two
 //!   episodes, Δ = 1 therefore comes to one evaluation per cycle, and Δ = 2 to the very same ones.
+//! - With `states = "replay"` an evaluation that falls due before there are any states is made as soon as there are.
 //! - Where starts are random (Fetch with an object, HandManipulate*), the variance with `initial` states includes
 //!   that of the starts, and always that of the input normalisers.
 //! - The variance is taken over the evaluations there are, also while the window still fills up. With fewer than
@@ -30,13 +31,15 @@ use serde::{Deserialize, Serialize};
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::probe::{Probe, ProbeConfig, StateSource};
+use crate::pool_state::PoolState;
+use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
+use crate::variance::ROUNDING;
 use crate::window::Window;
 
 /// Version of [`State`] in saved bytes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// TEACH's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,9 +101,10 @@ pub struct Teach {
 struct State {
     /// Goals proposed so far.
     episodes: u64,
-    probe: Probe,
+    /// Whether an evaluation has fallen due that could not be made yet.
+    due: bool,
     window: Window,
-    curriculum: Distribution,
+    common: PoolState,
 }
 
 impl Method for Teach {
@@ -120,9 +124,9 @@ impl Method for Teach {
         let pool = Arc::clone(&setting.pool);
         let state = State {
             episodes: 0,
-            probe: Probe::new(),
+            due: false,
             window: Window::new(config.window),
-            curriculum: Distribution::uniform(pool.len()),
+            common: PoolState::new(Distribution::uniform(pool.len())),
         };
         Ok(Box::new(Self { config, pool, state }))
     }
@@ -130,7 +134,8 @@ impl Method for Teach {
 
 /// K: in proportion to each goal's variance over the window, or all on the largest.
 fn curriculum(window: &Window, selection: Selection) -> Result<Distribution, CurriculumError> {
-    let proportional = Distribution::proportional(&window.variance(), "temporal variance")?;
+    let proportional =
+        Distribution::proportional(&window.variance(), ROUNDING * ROUNDING, "temporal variance")?;
     match selection {
         Selection::Proportional => Ok(proportional),
         Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
@@ -140,23 +145,25 @@ fn curriculum(window: &Window, selection: Selection) -> Result<Distribution, Cur
 impl Curriculum for Teach {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let state = &mut self.state;
-        let due = state.episodes.is_multiple_of(self.config.interplay);
+        state.due |= state.episodes.is_multiple_of(self.config.interplay);
         state.episodes += 1;
-        if due && let Some(confidence) = state.probe.ask(&self.config.probe(), &self.pool, lesson)? {
-            state.window.push(confidence);
-            state.curriculum = curriculum(&state.window, self.config.selection)?;
+        if state.due {
+            let answer = state.common.probe.ask(&self.config.probe(), &self.pool, lesson)?;
+            state.due = answer == Answer::NoStates;
+            if let Answer::Confidence(confidence) = answer {
+                state.window.push(confidence);
+                state.common.curriculum = curriculum(&state.window, self.config.selection)?;
+            }
         }
-        Ok(Proposal::Pool(state.curriculum.draw(lesson.rng)))
+        Ok(Proposal::Pool(state.common.curriculum.draw(lesson.rng)))
     }
 
     fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.curriculum.probabilities())
+        Some(self.state.common.curriculum.probabilities())
     }
 
     fn statistics(&self) -> Statistics {
-        let mut statistics = self.state.curriculum.statistics().to_vec();
-        statistics.extend(self.state.probe.statistics());
-        statistics
+        self.state.common.statistics()
     }
 
     fn save(&self) -> Result<Vec<u8>, CurriculumError> {
@@ -165,7 +172,7 @@ impl Curriculum for Teach {
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
         let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        snapshot::require_goals(state.curriculum.probabilities().len(), self.pool.len())?;
+        state.common.check(self.pool.len())?;
         for evaluation in state.window.iter() {
             snapshot::require_goals(evaluation.len(), self.pool.len())?;
         }

@@ -31,7 +31,7 @@ use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::registry::Method;
 use crate::snapshot;
-use crate::variance::population_variance;
+use crate::variance::{ROUNDING, population_variance};
 
 /// Version of [`State`] in saved bytes.
 const VERSION: u32 = 1;
@@ -94,6 +94,17 @@ impl Disagreement {
             Self::Var => variance,
             Self::Tanh => variance.tanh(),
             Self::Exp => variance.sqrt().exp(),
+        }
+    }
+
+    /// The disagreement that comes of rounding alone.
+    pub fn negligible(self) -> f64 {
+        match self {
+            Self::Std => ROUNDING,
+            // tanh x = x for an x so small.
+            Self::Var | Self::Tanh => ROUNDING * ROUNDING,
+            // exp(0) = 1 is a weight like any other.
+            Self::Exp => 0.0,
         }
     }
 
@@ -235,7 +246,8 @@ impl Vds {
 impl Curriculum for Vds {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let disagreement = self.disagreement(lesson)?;
-        let curriculum = Distribution::proportional(&disagreement, "disagreement")?;
+        let negligible = self.config.disagreement.negligible();
+        let curriculum = Distribution::proportional(&disagreement, negligible, "disagreement")?;
         self.latest = Latest {
             entropy: curriculum.entropy(),
             effective_goals: curriculum.effective_goals(),
@@ -297,7 +309,12 @@ impl Curriculum for Vds {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    const ALL: [Disagreement; 4] =
+        [Disagreement::Std, Disagreement::Var, Disagreement::Tanh, Disagreement::Exp];
 
     #[test]
     fn hand_worked_disagreement() {
@@ -326,5 +343,39 @@ mod tests {
         values.push(&[-4.0, -1.0, -9.0]);
         values.push(&[-4.0, -5.0, -9.0]);
         assert_eq!(Disagreement::Std.over(&values), [0.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn rounding_alone_is_negligible_and_a_real_difference_is_not() {
+        // Members 2^-18 apart, the spacing of single precision near -50: standard deviation 1.9e-6.
+        let rounding = [-50.0, -50.0 + 2f64.powi(-18)];
+        for kind in [Disagreement::Std, Disagreement::Var, Disagreement::Tanh] {
+            assert!(kind.of(rounding) <= kind.negligible(), "{kind:?}");
+            assert!(kind.of([-50.0, -49.9999]) > kind.negligible(), "{kind:?}");
+        }
+        assert!(Disagreement::Exp.of([-50.0; 2]) > Disagreement::Exp.negligible());
+    }
+
+    #[test]
+    fn nan_stays_visible() {
+        assert!(ALL.iter().all(|kind| kind.of([-1.0, f64::NAN]).is_nan()));
+    }
+
+    proptest! {
+        #[test]
+        fn the_order_of_members_and_of_goals_does_not_matter(
+            values in prop::collection::vec(prop::array::uniform3(-50.0..0.0f64), 4),
+        ) {
+            // Four members, three goals, forwards and backwards.
+            let (mut forwards, mut backwards) = (Rows::new(3), Rows::new(3));
+            values.iter().for_each(|member| forwards.push(member));
+            values.iter().rev().for_each(|&[a, b, c]| backwards.push(&[c, b, a]));
+            for kind in ALL {
+                let (one, other) = (kind.over(&forwards), kind.over(&backwards));
+                for (x, y) in one.iter().zip(other.iter().rev()) {
+                    prop_assert!((x - y).abs() <= 1e-9 * x.abs().max(1.0), "{kind:?}: {x} {y}");
+                }
+            }
+        }
     }
 }

@@ -1,7 +1,8 @@
-//! What holds for every teacher of the table.
+//! What holds for every teacher of the table. That none sees evaluation goals is tested where evaluations are: in
+//! whole runs, by the harness.
 
-use agents::Network;
 use curricula::{CURRICULA, CurriculumError, Entry, Proposal};
+use envs::GoalEnv;
 
 use crate::support::{Class, LOWEST};
 
@@ -12,8 +13,21 @@ fn restless(goal: usize, steps: u64) -> f64 {
     0.5 * LOWEST * (1.0 + (goal as f64 * 1.3 + steps as f64 * 0.7 * (1.0 + goal as f64 / 9.0)).sin())
 }
 
-fn class(entry: &Entry) -> Class {
-    Class::with(entry, "", GOALS, restless).expect("defaults are valid")
+/// The configs that a teacher is tested with: the defaults, and where it has the choice, confidence in replayed states.
+fn configs(entry: &Entry) -> &'static [&'static str] {
+    let measures = (entry.defaults)().contains_key("states");
+    if measures { &["", "states = \"replay\"\nreplay_states = 3"] } else { &[""] }
+}
+
+fn class(entry: &Entry, config: &str) -> Class {
+    Class::with(entry, config, GOALS, restless).expect("a valid config")
+}
+
+/// Every teacher with each of its configs, and a name for both.
+fn classes() -> impl Iterator<Item = (&'static Entry, &'static str, Class)> {
+    CURRICULA
+        .iter()
+        .flat_map(|entry| configs(entry).iter().map(move |config| (entry, *config, class(entry, config))))
 }
 
 /// `n` cycles of two episodes each.
@@ -29,45 +43,84 @@ fn proposals(class: &mut Class, n: usize) -> Vec<Proposal> {
 
 #[test]
 fn same_seed_same_proposals() {
-    for entry in CURRICULA {
-        let (mut one, mut other) = (class(entry), class(entry));
-        assert_eq!(proposals(&mut one, 15), proposals(&mut other, 15), "{}", entry.id);
-        assert_eq!(one.teacher.save().unwrap(), other.teacher.save().unwrap(), "{}", entry.id);
+    for (entry, config, mut one) in classes() {
+        let mut other = class(entry, config);
+        assert_eq!(proposals(&mut one, 15), proposals(&mut other, 15), "{} {config}", entry.id);
+        assert_eq!(one.teacher.save().unwrap(), other.teacher.save().unwrap(), "{} {config}", entry.id);
+    }
+}
+
+/// Whether `goal` is one that the environment could ask for.
+fn in_goal_space(env: &dyn GoalEnv, goal: &[f64]) -> bool {
+    match env.spec().id {
+        "Point" => goal.len() == 2 && goal.iter().all(|x| (-1.0..=1.0).contains(x)),
+        // Gripper positions up to 0.15 m from where the gripper starts.
+        "FetchReach" => {
+            let start = &env.observation().achieved;
+            goal.len() == 3 && goal.iter().zip(start).all(|(x, start)| (x - start).abs() <= 0.15)
+        }
+        maze => {
+            let walls = envs::maze_walls(maze).expect("a maze");
+            // The square [-1, 1]² in 13 × 13 cells.
+            let [row, column] = [goal[0], goal[1]].map(|x| ((x + 1.0) / 2.0 * 13.0) as usize);
+            goal.len() == 2 && walls.get(row).is_some_and(|row| matches!(row.as_bytes()[column], b'.' | b'S'))
+        }
     }
 }
 
 #[test]
 fn proposals_lie_in_the_goal_space() {
-    for entry in CURRICULA {
-        let mut class = class(entry);
-        for proposal in proposals(&mut class, 15) {
-            let valid = match &proposal {
-                Proposal::Native => true,
-                Proposal::Pool(index) => entry.uses_pool && *index < GOALS,
-                Proposal::Goal(goal) => {
-                    goal.len() == class.setting.spec.goal && goal.iter().all(|x| x.is_finite())
-                }
-            };
-            assert!(valid, "{}: {proposal:?}", entry.id);
+    for environment in ["Point", "MazeA", "MazeB", "MazeC", "FetchReach"] {
+        for entry in CURRICULA {
+            let mut class = Class::on(environment, entry, "", GOALS, restless).expect("valid defaults");
+            for _ in 0..30 {
+                let goal = class.propose_goal();
+                assert!(in_goal_space(&*class.env, &goal), "{environment}, {}: {goal:?}", entry.id);
+                class.learn();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_method_says_whether_it_uses_the_pool() {
+    for (entry, _, mut class) in classes() {
+        for proposal in proposals(&mut class, 5) {
+            let from_pool = matches!(proposal, Proposal::Pool(index) if index < GOALS);
+            assert_eq!(from_pool, entry.uses_pool, "{}: {proposal:?}", entry.id);
+        }
+    }
+}
+
+#[test]
+fn a_proposal_leaves_the_environment_as_the_reset_left_it() {
+    for (entry, _, mut class) in classes() {
+        let mut resets = Class::with(entry, "", GOALS, restless).unwrap();
+        for _ in 0..5 {
+            class.propose().unwrap();
+            resets.reset();
+            assert_eq!(class.env.goal(), resets.env.goal(), "{}", entry.id);
+            assert_eq!(class.env.observation(), resets.env.observation(), "{}", entry.id);
+            class.learn();
         }
     }
 }
 
 #[test]
 fn a_loaded_teacher_continues_identically() {
-    for entry in CURRICULA {
-        let mut straight = class(entry);
+    for (entry, config, mut straight) in classes() {
         proposals(&mut straight, 7);
-        let mut resumed = class(entry);
+        let mut resumed = class(entry, config);
         // Everything but the teacher's own state is the caller's to restore.
         proposals(&mut resumed, 7);
-        let config = (entry.defaults)();
+        let config = (entry.resolve)(config.parse().unwrap()).unwrap();
         resumed.teacher = (entry.build)(&config, &resumed.setting).unwrap();
         resumed
             .teacher
             .load(&straight.teacher.save().unwrap())
             .unwrap_or_else(|error| panic!("{}: {error}", entry.id));
         assert_eq!(resumed.teacher.statistics(), straight.teacher.statistics(), "{}", entry.id);
+        assert_eq!(resumed.teacher.weights(), straight.teacher.weights(), "{}", entry.id);
         assert_eq!(proposals(&mut resumed, 8), proposals(&mut straight, 8), "{}", entry.id);
         assert_eq!(resumed.teacher.save().unwrap(), straight.teacher.save().unwrap(), "{}", entry.id);
     }
@@ -75,8 +128,7 @@ fn a_loaded_teacher_continues_identically() {
 
 #[test]
 fn foreign_and_truncated_state_is_refused() {
-    for entry in CURRICULA {
-        let mut taught = class(entry);
+    for (entry, _, mut taught) in classes() {
         proposals(&mut taught, 3);
         let bytes = taught.teacher.save().unwrap();
         let mut refuse = |what: &str, bytes: &[u8]| {
@@ -95,8 +147,7 @@ fn foreign_and_truncated_state_is_refused() {
 
 #[test]
 fn weights_are_a_distribution_over_the_pool() {
-    for entry in CURRICULA {
-        let mut class = class(entry);
+    for (entry, _, mut class) in classes() {
         for _ in 0..6 {
             proposals(&mut class, 1);
             let Some(weights) = class.teacher.weights() else {
@@ -105,17 +156,19 @@ fn weights_are_a_distribution_over_the_pool() {
             };
             assert_eq!(weights.len(), GOALS, "{}", entry.id);
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{}", entry.id);
+            let entropy: f64 = weights.iter().filter(|&&p| p > 0.0).map(|p| -p * p.ln()).sum();
+            assert!((class.statistic("entropy") - entropy).abs() < 1e-12, "{}", entry.id);
+            assert!((class.statistic("effective_goals") - entropy.exp()).abs() < 1e-9, "{}", entry.id);
         }
     }
 }
 
 #[test]
 fn statistics_keep_their_names_and_order() {
-    for entry in CURRICULA {
+    for (entry, _, mut class) in classes() {
         let names = |class: &Class| -> Vec<&str> {
             class.teacher.statistics().into_iter().map(|(name, _)| name).collect()
         };
-        let mut class = class(entry);
         let before = names(&class);
         proposals(&mut class, 4);
         assert_eq!(before, names(&class), "{}", entry.id);
@@ -126,16 +179,5 @@ fn statistics_keep_their_names_and_order() {
             "{}: after a few cycles every number is defined",
             entry.id
         );
-    }
-}
-
-#[test]
-fn who_measures_confidence_asks_the_networks_and_states_of_its_config() {
-    let config = "confidence = \"target\"\nstates = \"replay\"\nreplay_states = 5";
-    for entry in CURRICULA.iter().filter(|entry| (entry.defaults)().contains_key("confidence")) {
-        let mut class = Class::with(entry, config, GOALS, restless).expect("a valid config");
-        proposals(&mut class, 3);
-        // Not in the first cycle: the buffer is still empty.
-        assert_eq!(class.student.asked, [(Network::Target, 5); 2], "{}", entry.id);
     }
 }

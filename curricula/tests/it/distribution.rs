@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use crate::support::close;
 
 fn proportional(weights: &[f64]) -> Distribution {
-    Distribution::proportional(weights, "weight").expect("finite weights")
+    Distribution::proportional(weights, 0.0, "weight").expect("finite weights")
 }
 
 #[test]
@@ -34,11 +34,15 @@ fn hand_worked_entropy() {
 
 #[test]
 fn weights_without_content_give_a_uniform_draw() {
-    for weights in [[0.0, 0.0], [1e-300, 0.0], [1e-13, 5e-13]] {
-        assert_eq!(proportional(&weights).probabilities(), [0.5, 0.5]);
-    }
-    // Small, but more than rounding.
-    assert_eq!(proportional(&[1e-11, 3e-11]).probabilities(), [0.25, 0.75]);
+    let above = |negligible: f64, weights: [f64; 2]| {
+        Distribution::proportional(&weights, negligible, "weight").unwrap().probabilities().to_vec()
+    };
+    // It is the mean weight that counts: here 2.
+    assert_eq!(above(2.0, [1.0, 3.0]), [0.5, 0.5]);
+    assert_eq!(above(1.999, [1.0, 3.0]), [0.25, 0.75]);
+    assert_eq!(above(0.0, [0.0, 0.0]), [0.5, 0.5]);
+    // However small, where everything counts.
+    assert_eq!(above(0.0, [1e-300, 3e-300]), [0.25, 0.75]);
 }
 
 #[test]
@@ -61,7 +65,7 @@ fn what_is_not_finite_is_refused_by_name() {
     for bad in [f64::NAN, f64::INFINITY] {
         let weights = [1.0, bad, f64::NAN];
         let refusals = [
-            Distribution::proportional(&weights, "weight"),
+            Distribution::proportional(&weights, 0.0, "weight"),
             Distribution::softmax(&weights, 1.0, "weight"),
             Distribution::argmax(&weights, "weight"),
         ];
@@ -99,7 +103,7 @@ fn saved_bytes_that_are_no_distribution_are_refused() {
 /// One of the ways to make a distribution from scores in [0, 50].
 fn make(kind: usize, scores: &[f64]) -> Distribution {
     match kind {
-        0 => Distribution::proportional(scores, "score"),
+        0 => Distribution::proportional(scores, 0.0, "score"),
         1 => Distribution::softmax(scores, 2.0, "score"),
         _ => Distribution::argmax(scores, "score"),
     }

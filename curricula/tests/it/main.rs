@@ -2,6 +2,8 @@
 
 mod contract;
 mod distribution;
+mod her_iid;
+mod probe;
 mod procurl;
 mod registry;
 mod space;

@@ -51,10 +51,39 @@ fn the_set_holds_the_goals_that_rank_first() {
 }
 
 #[test]
-fn at_the_first_update_the_goal_of_the_highest_value_is_chosen() {
-    // As if all values had been 0 before: -50 + 0 against -50 + 30.
-    let mut class = Class::new("space", "", 4, |goal, _| -50.0 + 10.0 * goal as f64);
-    assert_eq!(class.propose_index(), 3);
+fn the_first_update_ranks_as_if_all_values_had_been_zero_and_does_not_grow() {
+    let first = |config: &str| {
+        let mut class = Class::new("space", config, 4, |goal, _| -[40.0, 50.0, 10.0, 30.0][goal]);
+        (class.propose_index(), class.weights())
+    };
+    // Improvements -40, -50, -10, -30, which relative to 0 would all be the same.
+    assert_eq!(first(""), (2, vec![0.0, 0.0, 1.0, 0.0]));
+    assert_eq!(first("order = \"relative\""), (2, vec![0.0, 0.0, 1.0, 0.0]));
+    assert_eq!(first("order = \"absolute\""), (1, vec![0.0, 1.0, 0.0, 0.0]));
+
+    // A mean of 0 does not differ from 0, but there is no last mean that it could stagnate at.
+    let mut class = Class::new("space", "", 4, |_, _| 0.0);
+    class.cycles(1);
+    assert_eq!(class.statistic("set_size"), 1.0);
+    class.cycles(1);
+    assert_eq!(class.statistic("set_size"), 2.0);
+}
+
+#[test]
+fn the_relative_order_prefers_the_larger_share_of_the_last_value() {
+    // From -40 to -30 is a quarter, from -8 to -4 a half.
+    let script = |goal: usize, steps: u64| [[-40.0, -30.0], [-8.0, -4.0]][goal][steps.min(1) as usize];
+    let chosen = |order: &str| Class::new("space", &format!("order = \"{order}\""), 2, script).cycles(2)[1];
+    assert_eq!(chosen("relative"), 1);
+    assert_eq!(chosen("signed"), 0);
+}
+
+#[test]
+fn the_new_set_is_trained_on_at_once() {
+    // From the first update to the second goal 7 improves; all others decline by 15 %, too much to stagnate.
+    let script =
+        |goal: usize, steps: u64| [-20.0 - 3.0 * steps as f64, -50.0 + steps as f64][usize::from(goal == 7)];
+    assert_eq!(Class::new("space", "", 9, script).cycles(2)[1], 7);
 }
 
 #[test]
