@@ -16,6 +16,8 @@ mod infer;
 mod reference_tests;
 mod state;
 mod update;
+#[cfg(test)]
+mod wiring_tests;
 
 use std::path::Path;
 

@@ -168,6 +168,30 @@ mod tests {
         assert!((mean - 0.1).abs() < 0.01 && (std - 0.2).abs() < 0.01, "{mean} {std}");
     }
 
+    /// At the border half of the draws would lie beyond it.
+    #[test]
+    fn exploring_actions_are_clipped_in_every_component() {
+        for config in [
+            NoiseConfig::Gaussian { std: 0.5, random_epsilon: 0.0 },
+            NoiseConfig::OrnsteinUhlenbeck { theta: 0.15, sigma: 0.5, dt: 1.0 },
+        ] {
+            let mut noise = Noise::new(config, 2);
+            let mut rng = stream(7, Purpose::Exploration);
+            let draws: Vec<[f64; 2]> = (0..1000)
+                .map(|_| {
+                    let mut action = [1.0, -1.0];
+                    noise.apply(&mut action, &mut rng);
+                    action
+                })
+                .collect();
+            for (component, bound) in [(0, 1.0), (1, -1.0)] {
+                let clipped = draws.iter().filter(|action| action[component] == bound).count();
+                assert!((300..700).contains(&clipped), "{config:?}, component {component}: {clipped}");
+                assert!(draws.iter().all(|action| action[component].abs() <= 1.0), "{config:?}");
+            }
+        }
+    }
+
     #[test]
     fn random_actions_are_uniform_whatever_the_policy_says() {
         let (mean, std) = moments(NoiseConfig::Gaussian { std: 0.2, random_epsilon: 1.0 }, 0.9);

@@ -185,6 +185,11 @@ mod tests {
         assert!((out[0] - 2.0).abs() < 1e-4, "(3.02 - 3)/0.01 = 2, got {out:?}");
         assert_eq!(out[1], 0.0, "clipped to 200, the mean");
         assert_eq!(normalized(&normalizer, &[4.0, 0.0]), [5.0, -5.0]);
+
+        // -1e6 counts as -200, so that the mean is 0 and the deviation 200; -1e6 then is -1.
+        let mut normalizer = Normalizer::new(NormalizerConfig::default(), 1);
+        normalizer.update(&[-1e6, 200.0]);
+        assert_eq!(normalized(&normalizer, &[-1e6]), [-1.0]);
     }
 
     #[test]

@@ -28,6 +28,23 @@ fn auto_becomes_the_numbers_of_preset_and_environment() {
     }
 }
 
+/// The cycle and the losses are the same for both: 2 episodes, 40 gradient steps, one Polyak update.
+#[test]
+fn presets_hold_the_published_values() {
+    for preset in [Preset::Harmonised, Preset::Official] {
+        let config = StudentConfig::preset(preset);
+        assert_eq!((config.episodes_per_cycle, config.updates_per_cycle, config.her_k), (2, 40, 4));
+        assert_eq!((config.width, config.replay_capacity), (256, 1_000_000));
+        assert_eq!((config.actor_lr, config.critic_lr, config.polyak), (1e-3, 1e-3, 0.95));
+        assert_eq!(config.action_l2, 1.0);
+        assert_eq!(config.noise, NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 });
+        let normalizer = config.normalizer;
+        assert_eq!((normalizer.std_floor, normalizer.clip_before, normalizer.clip_after), (0.01, 200.0, 5.0));
+    }
+    let run = Run::new(&StudentConfig { episodes_per_cycle: 7, ..small() }, 0);
+    assert_eq!(run.agent.episodes_per_cycle(), 7);
+}
+
 #[test]
 fn given_values_win_over_the_preset() {
     let given = StudentConfig {

@@ -1,0 +1,193 @@
+//! What the student's parts are told to do, and when: each part has tests of its own.
+
+use envs::rng::{Purpose, Rng, stream};
+use envs::{Family, GoalEnv, Observation, Rows, Spec};
+
+use super::{Ddpg, state};
+use crate::agent::{Agent, Critic, Episode, Mode, Network};
+use crate::auto::Auto;
+use crate::batch::Batch;
+use crate::config::{Preset, StudentConfig};
+use crate::error::AgentError;
+use crate::networks::Trained;
+use crate::noise::{Noise, NoiseConfig};
+use crate::normalizer::{Normalizer, NormalizerConfig};
+use crate::replay::Source;
+
+/// A student of the toy task (S = G = A = 2, H = 20), the task, and a stream for replay.
+fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {
+    crate::prepare_thread();
+    let env = envs::make("Point", &envs::Options::default()).unwrap();
+    (Ddpg::new(config, env.spec(), 3).unwrap(), env, stream(3, Purpose::Replay))
+}
+
+fn small() -> StudentConfig {
+    StudentConfig { batch: Auto::Value(16), width: 8, updates_per_cycle: 3, ..StudentConfig::default() }
+}
+
+/// Episode number e in numbers that say where they belong: at step t the state is (e, t) and the achieved goal
+/// (e, t/100); the goal asked for is (−e, 0).
+fn episode(number: u16) -> Episode {
+    let e = f64::from(number);
+    let [mut states, mut achieved, mut actions] = [2, 2, 2].map(Rows::new);
+    for t in 0..=20 {
+        states.push(&[e, f64::from(t)]);
+        achieved.push(&[e, f64::from(t) / 100.0]);
+        if t < 20 {
+            actions.push(&[0.1, -0.1]);
+        }
+    }
+    Episode { states, achieved, actions, goal: vec![-e, 0.0], success: false }
+}
+
+#[test]
+fn every_new_episode_feeds_the_normalisers_with_as_many_relabelled_draws_of_it_as_it_has_steps() {
+    for (her_k, share) in [(4, 0.8), (1, 0.5), (0, 0.0)] {
+        let normalizer = NormalizerConfig { clip_before: 15.0, ..NormalizerConfig::default() };
+        let (mut student, env, mut rng) = scene(&StudentConfig { her_k, normalizer, ..small() });
+        let [mut states, mut goals] = [2, 2].map(|width| Normalizer::new(normalizer, width));
+        let mut relabelled = 0;
+        for number in 1..=60 {
+            student.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+            let fresh = &student.fresh;
+            assert_eq!((fresh.len(), fresh.goals.len()), (20, 40));
+            for (state, goal) in fresh.states.chunks_exact(2).zip(fresh.goals.chunks_exact(2)) {
+                assert_eq!((state[0], goal[0].abs()), (f32::from(number), f32::from(number)));
+                relabelled += u32::from(goal[0] > 0.0);
+            }
+            states.update(&fresh.states);
+            goals.update(&fresh.goals);
+            assert_eq!(student.normalizers.state.moments(), states.moments(), "episode {number}");
+            assert_eq!(student.normalizers.goal.moments(), goals.moments(), "episode {number}");
+        }
+        // 1200 draws: a standard deviation is at most 0.015.
+        let got = f64::from(relabelled) / 1200.0;
+        assert!((got - share).abs() < 0.05, "{share} expected for k = {her_k}, {got} came");
+    }
+}
+
+/// Parameters of the online and the target network.
+fn networks(trained: &Trained) -> [Vec<f32>; 2] {
+    [Network::Online, Network::Target].map(|network| trained.network(network).numbers().unwrap())
+}
+
+#[test]
+fn targets_follow_once_per_cycle_whatever_the_preset() {
+    for preset in [Preset::Harmonised, Preset::Official] {
+        for polyak in [0.95, 0.5] {
+            let (mut student, env, mut rng) = scene(&StudentConfig { preset, polyak, ..small() });
+            student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+            for cycle in 1..=3 {
+                let before = [&student.learner.actor, &student.learner.critic.networks].map(networks);
+                student.learn(env.as_ref(), &mut rng).unwrap();
+                assert_eq!(student.gradient_steps(), 3 * cycle);
+                let after = [&student.learner.actor, &student.learner.critic.networks].map(networks);
+                for ([old_online, old_target], [online, target]) in before.into_iter().zip(after) {
+                    assert_ne!(old_online, online);
+                    let [keep, take] = [polyak as f32, (1.0 - polyak) as f32];
+                    let followed: Vec<f32> =
+                        old_target.iter().zip(&online).map(|(t, o)| keep * t + take * o).collect();
+                    assert_eq!(target, followed, "{preset:?}, α = {polyak}, cycle {cycle}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
+    let config = StudentConfig { her_k: 2, ..small() };
+    let [(mut whole, env, mut rng), (mut by_hand, ..)] = [scene(&config), scene(&config)];
+    for number in 1..=4 {
+        let mut same = rng.clone();
+        whole.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+        by_hand.observe(&episode(number), env.as_ref(), &mut same).unwrap();
+    }
+    let mut draws = rng.clone();
+    whole.learn(env.as_ref(), &mut rng).unwrap();
+    let mut batch = Batch::new(env.spec(), 16);
+    for _ in 0..3 {
+        by_hand.replay.sample(Source::All, 2, env.as_ref(), &mut draws, &mut batch).unwrap();
+        by_hand.learner.update(&batch, &by_hand.normalizers).unwrap();
+    }
+    by_hand.learner.end_cycle(0.95).unwrap();
+    assert!(state::encode(&whole).unwrap() == state::encode(&by_hand).unwrap());
+    assert_eq!(rng, draws);
+}
+
+#[test]
+fn teachers_see_all_episodes_with_the_goals_that_were_asked_for() {
+    let (mut student, env, mut rng) = scene(&small());
+    for number in 1..=3 {
+        student.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+    }
+    let mut batch = Batch::new(env.spec(), 300);
+    student.replay_batch(env.as_ref(), &mut rng, &mut batch).unwrap();
+    let states = student.replay_states(300, &mut rng);
+    for number in 1..=3 {
+        let of_this = |e: f32| e == f32::from(number);
+        assert!((70..130).contains(&batch.states.chunks_exact(2).filter(|state| of_this(state[0])).count()));
+        assert!((70..130).contains(&states.iter().filter(|state| of_this(state[0] as f32)).count()));
+    }
+    for (state, goal) in batch.states.chunks_exact(2).zip(batch.goals.chunks_exact(2)) {
+        assert_eq!(goal, [-state[0], 0.0]);
+    }
+}
+
+#[test]
+fn exploration_adds_the_configured_noise_to_the_greedy_action() {
+    for noise in [
+        NoiseConfig::Gaussian { std: 0.3, random_epsilon: 0.5 },
+        NoiseConfig::OrnsteinUhlenbeck { theta: 0.2, sigma: 0.4, dt: 0.5 },
+    ] {
+        let (mut student, ..) = scene(&StudentConfig { noise, ..small() });
+        let mut rng = stream(0, Purpose::Exploration);
+        let (mut same, mut reference) = (rng.clone(), Noise::new(noise, 2));
+        for step in 0..10 {
+            let observation = Observation { state: vec![0.1 * f64::from(step), 0.5], achieved: vec![0.0; 2] };
+            let (mut expected, mut action) = ([0.0; 2], [0.0; 2]);
+            student.act(&observation, &[0.3, -0.3], Mode::Greedy, &mut expected).unwrap();
+            reference.apply(&mut expected, &mut same);
+            student.act(&observation, &[0.3, -0.3], Mode::Explore(&mut rng), &mut action).unwrap();
+            assert_eq!(action, expected, "{noise:?}, step {step}");
+        }
+    }
+}
+
+/// A step size beyond single precision makes parameters infinite while the loss before the step was finite.
+#[test]
+fn parameters_that_are_not_finite_end_the_cycle_as_divergence() {
+    let huge = 1e39;
+    for (name, config) in [
+        ("actor", StudentConfig { actor_lr: huge, updates_per_cycle: 1, ..small() }),
+        ("critic", StudentConfig { critic_lr: huge, updates_per_cycle: 1, ..small() }),
+    ] {
+        let (mut student, env, mut rng) = scene(&config);
+        student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+        match student.learn(env.as_ref(), &mut rng) {
+            Err(AgentError::Diverged { what, gradient_steps: 1 }) => assert_eq!(what, name),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+/// Weights and biases of every layer, each rounded up to a multiple of 16 numbers.
+#[test]
+fn networks_have_the_shape_of_preset_and_task() {
+    crate::prepare_thread();
+    let parameters = |preset, family| {
+        let spec = Spec { id: "Shapes", family, state: 25, goal: 3, action: 4, horizon: 50 };
+        let student = Ddpg::new(&StudentConfig::preset(preset), &spec, 0).unwrap();
+        let learner = &student.learner;
+        assert_eq!(student.fresh.len(), 50);
+        assert_eq!(Auto::Value(student.batch.len()), student.config.batch);
+        [&learner.actor, &learner.critic.networks].map(|trained| networks(trained)[0].len())
+    };
+    let middle = 256 * 256 + 256;
+    let actor = (28 * 256 + 256) + middle + (256 * 4 + 16);
+    let critic = (32 * 256 + 256) + middle + (256 + 16);
+    let deeper = [actor + middle, critic + middle];
+    assert_eq!(parameters(Preset::Harmonised, Family::Fetch), [actor, critic]);
+    assert_eq!(parameters(Preset::Harmonised, Family::Hand), deeper);
+    assert_eq!(parameters(Preset::Official, Family::Fetch), deeper);
+}
