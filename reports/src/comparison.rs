@@ -40,10 +40,10 @@ pub struct Comparison<'a> {
 }
 
 /// Compares every method with the first one of its environment; `finals` come sorted by key.
-pub fn comparisons(finals: &[Finals], resampling: Resampling) -> Vec<Comparison<'_>> {
+pub fn comparisons<'a>(finals: &[&'a Finals], resampling: Resampling) -> Vec<Comparison<'a>> {
     let mut comparisons = Vec::new();
     for environment in finals.chunk_by(|a, b| a.key.environment == b.key.environment) {
-        let (reference, methods) = (&environment[0], &environment[1..]);
+        let (reference, methods) = (environment[0], &environment[1..]);
         comparisons.extend(methods.iter().map(|method| compare(method, reference, resampling)));
     }
     let tested: Vec<usize> = (0..comparisons.len()).filter(|&i| comparisons[i].welch.is_some()).collect();
@@ -97,7 +97,10 @@ mod tests {
             finals("A", "her-iid", &[(0, 0.7), (1, 0.9)]),
             finals("B", "vds", &[(0, 0.5)]),
         ];
-        let compared = comparisons(&all, Resampling { resamples: 100, ..Resampling::default() });
+        let compared = comparisons(
+            &all.iter().collect::<Vec<_>>(),
+            Resampling { resamples: 100, ..Resampling::default() },
+        );
         let names: Vec<(&str, &str)> = compared
             .iter()
             .map(|c| (c.method.curriculum.as_str(), c.reference.curriculum.as_str()))

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::methods;
-use crate::record::RunKey;
+use crate::record::{Record, RunKey};
 use crate::store::{Run, Store};
 
 /// What the runs of a group have in common.
@@ -59,6 +59,21 @@ pub struct Group<'a> {
     pub key: GroupKey,
     /// Runs with at least one evaluation, by rising seed; never empty.
     pub runs: Vec<&'a Run>,
+}
+
+/// Whether `a` and `b` are the same runs under two labels: the same seeds, and for each of them the same evaluations.
+/// Two settings that come to the same in the method (such as two Δ within one cycle of learning) give such groups.
+pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
+    let same_evaluation = |(a, b): (&Record, &Record)| {
+        (a.step, a.success_rate, a.mean_return, a.gradient_steps)
+            == (b.step, b.success_rate, b.mean_return, b.gradient_steps)
+    };
+    let same_run = |(a, b): (&&Run, &&Run)| {
+        a.key().seed == b.key().seed
+            && a.records.len() == b.records.len()
+            && a.records.iter().zip(&b.records).all(same_evaluation)
+    };
+    a.runs.len() == b.runs.len() && a.runs.iter().zip(&b.runs).all(same_run)
 }
 
 /// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single curriculum

@@ -3,7 +3,7 @@
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{manifest.json, records.jsonl, teaching.jsonl, timing.jsonl,
 //!                                                     outcome.json, crashes.jsonl, worker.log}
-//! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, tables/*.tex, figures/*.{svg, png}}
+//! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt, tables/*.tex, figures/*.{svg, png}}
 //! ```
 
 use std::path::{Path, PathBuf};

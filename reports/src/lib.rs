@@ -18,6 +18,7 @@
 pub mod ablation;
 pub mod aggregate;
 pub mod comparison;
+pub mod cost;
 pub mod curves;
 pub mod deviations;
 pub mod dictionary;

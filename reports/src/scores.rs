@@ -21,6 +21,13 @@ pub fn final_score(records: &[Record], window: usize) -> Option<f64> {
     running_scores(records, window).last().copied()
 }
 
+/// (successes, episodes) of the last `window` evaluations together: what [`final_score`] rests on.
+pub fn final_counts(records: &[Record], window: usize) -> (u64, u64) {
+    let recent = &records[records.len().saturating_sub(window.max(1))..];
+    let successes = |record: &Record| (record.success_rate * record.episodes as f64).round() as u64;
+    (recent.iter().map(successes).sum(), recent.iter().map(|record| record.episodes).sum())
+}
+
 /// The first step at which the running score is at least `threshold`; `None` if it never is (censored).
 pub fn steps_to(records: &[Record], threshold: f64, window: usize) -> Option<u64> {
     let index = running_scores(records, window).iter().position(|score| *score >= threshold)?;
@@ -65,6 +72,10 @@ mod tests {
         assert_eq!(final_score(&records, 2), Some(0.875));
         assert_eq!(final_score(&records, 100), Some(0.5625));
         assert_eq!(final_score(&[], 2), None);
+        // 20 episodes each: 20 + 15 successes.
+        assert_eq!(final_counts(&records, 2), (35, 40));
+        assert_eq!(final_counts(&records, 100), (45, 80));
+        assert_eq!(final_counts(&[], 2), (0, 0));
     }
 
     #[test]

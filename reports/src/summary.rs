@@ -1,5 +1,6 @@
 //! One row of numbers per environment, curriculum and variant.
 
+use crate::cost::Cost;
 use crate::curves::{Curve, DDOF, Point};
 use crate::finals::Finals;
 use crate::group::{Group, GroupKey};
@@ -15,8 +16,6 @@ pub struct Row {
     pub n_seeds: usize,
     /// Those of them whose run used up its budget.
     pub n_finished: usize,
-    /// Fewest and most training steps at a seed's last evaluation.
-    pub last_step: (u64, u64),
     /// Mean over seeds of [`scores::final_score`].
     pub final_mean: f64,
     /// Their standard deviation ([`DDOF`]); `None` for one seed.
@@ -39,10 +38,8 @@ pub struct Row {
     pub steps_to_80: Option<u64>,
     /// Seeds that reached 0.8.
     pub reached_80: usize,
-    /// Mean over seeds of the hours of wall-clock time up to the last evaluation; `None` without timings.
-    pub wall_hours: Option<f64>,
-    /// Mean over seeds of the gradient steps taken by the last evaluation.
-    pub gradient_steps: f64,
+    /// What they took.
+    pub cost: Cost,
 }
 
 impl Row {
@@ -51,10 +48,6 @@ impl Row {
         let runs = &group.runs;
         let finals = Finals::of(group, window).scores();
         let areas: Vec<f64> = runs.iter().filter_map(|run| scores::area_under_curve(&run.records)).collect();
-        let hours: Vec<f64> =
-            runs.iter().filter_map(|run| run.timings.last()).map(|timing| timing.wall_s / 3600.0).collect();
-        let last: Vec<_> = runs.iter().filter_map(|run| run.records.last()).collect();
-        let gradient_steps: Vec<f64> = last.iter().map(|record| record.gradient_steps as f64).collect();
         let times = |threshold: f64| -> Vec<Option<u64>> {
             runs.iter().map(|run| scores::steps_to(&run.records, threshold, window)).collect()
         };
@@ -64,10 +57,6 @@ impl Row {
             key: group.key.clone(),
             n_seeds: runs.len(),
             n_finished: runs.iter().filter(|run| run.is_finished()).count(),
-            last_step: (
-                last.iter().map(|record| record.step).min()?,
-                last.iter().map(|record| record.step).max()?,
-            ),
             final_mean: stats::mean(&finals)?,
             final_std: stats::std_dev(&finals, DDOF),
             final_iqm: stats::iqm(&finals)?,
@@ -79,8 +68,7 @@ impl Row {
             reached_50: to_50.iter().flatten().count(),
             steps_to_80: median_steps(&to_80),
             reached_80: to_80.iter().flatten().count(),
-            wall_hours: stats::mean(&hours),
-            gradient_steps: stats::mean(&gradient_steps)?,
+            cost: Cost::of(group)?,
         })
     }
 }

@@ -13,7 +13,7 @@ pub use effect::{Effect, FEWEST_PAIRS, Measure};
 pub use verdict::{MARGIN, Verdict};
 
 use crate::ablation::{self, Ablation, Axis};
-use crate::group::Group;
+use crate::group::{self, Group};
 use crate::methods;
 use crate::stats::Resampling;
 use verdict::{ABOVE, EQUIVALENT, NOT_ABOVE, SOME_ABOVE};
@@ -162,18 +162,22 @@ impl Judge<'_> {
                 values.push(level.value);
             }
         }
-        let resampling = self.corrected(values.len());
-        let mut effects: Vec<(String, Effect)> = Vec::with_capacity(values.len());
-        for value in values {
-            let pairs = self.pairs(&ablations, value, &reference);
-            let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-            effects.push((
-                format!("{symbol} = {text}"),
-                effect::effect(&pairs, Measure::Final, self.window, resampling),
-            ));
-        }
+        let name = |value: &Value| {
+            format!("{symbol} = {}", value.as_str().map_or_else(|| value.to_string(), str::to_owned))
+        };
+        let candidates =
+            values.into_iter().map(|value| (name(value), self.pairs(&ablations, value, &reference)));
+        // A value that comes to the same as the reference can be neither above nor below it.
+        let (repeats, tested): (Vec<_>, Vec<_>) = candidates
+            .partition(|(_, pairs)| !pairs.is_empty() && pairs.iter().all(|(a, b)| group::is_repeated(a, b)));
+        let resampling = self.corrected(tested.len());
+        let effects: Vec<(String, Effect)> = tested
+            .into_iter()
+            .map(|(name, pairs)| (name, effect::effect(&pairs, Measure::Final, self.window, resampling)))
+            .collect();
         let intervals: Vec<verdict::Interval> = effects.iter().map(|(_, effect)| effect.interval).collect();
-        let evidence = evidence(&effects);
+        let repeats: Vec<String> = repeats.into_iter().map(|(name, _)| name).collect();
+        let evidence = evidence(&effects, &repeats, &name(&reference));
         let size = |effect: &Effect| effect.difference.map_or(-1.0, f64::abs);
         let largest =
             effects.into_iter().map(|(_, effect)| effect).max_by(|a, b| size(a).total_cmp(&size(b)));
@@ -211,17 +215,18 @@ impl Judge<'_> {
     }
 }
 
-/// `n = 3: +0.02 [-0.05, +0.08] in 2 environments; ...`
-fn evidence(effects: &[(String, Effect)]) -> String {
-    if effects.is_empty() {
+/// `n = 3: +0.02 [-0.05, +0.08] in 2 environments; ...`, and which values are no others than the `reference`.
+fn evidence(effects: &[(String, Effect)], repeats: &[String], reference: &str) -> String {
+    if effects.is_empty() && repeats.is_empty() {
         return "no two variants of TEACH differ in this setting alone".to_owned();
     }
-    let text = |(value, effect): &(String, Effect)| match (effect.difference, effect.interval) {
+    let tested = |(value, effect): &(String, Effect)| match (effect.difference, effect.interval) {
         (Some(difference), Some((low, high))) => {
             let environments = effect.environments.len();
             format!("{value}: {difference:+.2} [{low:+.2}, {high:+.2}] in {environments} environments")
         }
         _ => format!("{value}: no environment with {FEWEST_PAIRS} seeds of both"),
     };
-    effects.iter().map(text).collect::<Vec<_>>().join("; ")
+    let repeated = |value: &String| format!("{value}: the same runs as {reference}, not tested");
+    effects.iter().map(tested).chain(repeats.iter().map(repeated)).collect::<Vec<_>>().join("; ")
 }

@@ -44,6 +44,10 @@ pub struct Page<'a> {
     pub environments: &'a [&'a str],
     /// A row per environment, curriculum and variant; the first column is the environment.
     pub summary: &'a Table,
+    /// What training took, with the same first column.
+    pub costs: &'a Table,
+    /// Single runs, with the same first column.
+    pub runs: &'a Table,
     /// Sums over environments.
     pub aggregates: Option<&'a Table>,
     /// Methods against the first of their environment; the first column is the environment.
@@ -63,6 +67,7 @@ impl Page<'_> {
     pub fn html(&self) -> String {
         let mut sections = vec![
             ("results", "Results", self.overview()),
+            ("costs", "What training took", self.costs.html()),
             ("ledger", "Claims of the paper", self.ledger.html()),
             ("across", "Across environments", self.across()),
             ("ablations", "Ablations", self.pictures(&Section::Ablations)),
@@ -125,15 +130,20 @@ impl Page<'_> {
     }
 
     fn environment(&self, name: &str) -> String {
-        let of_it = |row: &[String]| row.first().is_some_and(|first| first == name);
         let mut text = self.pictures(&Section::Environment(name.to_owned()));
-        for table in [Some(self.summary), self.comparisons].into_iter().flatten() {
-            let table = Table { caption: String::new(), ..table.filter(of_it) };
+        // Their captions stand below the tables of all environments.
+        let tables = [Some(self.summary), Some(self.costs), self.comparisons].into_iter().flatten();
+        for table in tables.map(|table| Table { caption: String::new(), ..table.part(name) }) {
             if !table.rows.is_empty() {
                 text += &table.html();
             }
         }
-        text
+        let runs = self.runs.part(name);
+        text + &format!(
+            "<details><summary>Single runs ({})</summary>{}</details>\n",
+            runs.rows.len(),
+            runs.html()
+        )
     }
 
     fn missing(&self) -> String {

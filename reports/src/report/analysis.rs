@@ -51,6 +51,23 @@ impl<'a> Groups<'a> {
         items.iter().zip(&self.compared).filter(|(_, compared)| **compared).map(|(item, _)| item).collect()
     }
 
+    /// Final scores of every group but those that repeat the runs of the first of their environment.
+    fn distinct_finals(&self) -> Vec<&Finals> {
+        let environments = self.all.chunk_by(|a, b| a.key.environment == b.key.environment);
+        let is_distinct = environments.flat_map(|groups| {
+            groups
+                .iter()
+                .enumerate()
+                .map(|(index, group)| index == 0 || !group::is_repeated(group, &groups[0]))
+        });
+        self.finals
+            .iter()
+            .zip(is_distinct)
+            .filter(|(_, distinct)| *distinct)
+            .map(|(finals, _)| finals)
+            .collect()
+    }
+
     pub(super) fn compared_groups(&self) -> Vec<&Group<'a>> {
         self.chosen(&self.all)
     }
@@ -133,7 +150,7 @@ impl<'a> Analysis<'a> {
         Self {
             rows,
             across: Across::of(groups, options),
-            comparisons: comparison::comparisons(&groups.finals, resampling),
+            comparisons: comparison::comparisons(&groups.distinct_finals(), resampling),
             ablations: AXES.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
             ledger: ledger::ledger(&groups.all, window, resampling),
             heat,

@@ -58,7 +58,7 @@ impl Options {
 /// What a report consists of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
-    /// The files written, in order: the page, tables and data, then figures.
+    /// The files written, in order: the page, tables and data, figures, and the list of them all.
     pub files: Vec<PathBuf>,
     /// What is wrong with the results, for the caller to show.
     pub problems: Vec<Problem>,
@@ -70,8 +70,8 @@ pub struct Written {
     pub evaluations: usize,
 }
 
-/// Writes figures and tables of all evaluations so far into `results/report/`. Each file is replaced atomically;
-/// the same results give the same bytes.
+/// Writes figures and tables of all evaluations so far into `results/report/`. Each file is replaced atomically, files
+/// of the report before that this one lacks are removed; the same results give the same bytes.
 ///
 /// # Errors
 /// What [`Store::read`] refuses; [`ReportError::NoRecords`] if there is nothing to draw; [`ReportError::Option`];
@@ -91,7 +91,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
     // The problems of all files, for the report and for the caller.
     let mut problems = [store.problems(), &analysis.heat_problems].concat();
     problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
-    let tables = Tables::of(&groups, &analysis, options);
+    let tables = Tables::of(&store, &groups, &analysis, options);
     let missing = tables::missing(&groups, &analysis, options);
     let figures = figures::figures(&groups, &analysis, options)?;
     let page = Page {
@@ -100,6 +100,8 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
         pictures: &figures.pictures,
         environments: &groups.environments(),
         summary: &tables.summary,
+        costs: &tables.costs,
+        runs: &tables.runs,
         aggregates: tables.aggregates.as_ref(),
         comparisons: tables.comparisons.as_ref(),
         ledger: &tables.ledger,
@@ -113,14 +115,8 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
     files.extend(tables::files(&store, &groups, &analysis, &tables, options)?);
     files.extend(figures.files);
 
-    let folder = layout::report_dir(results);
-    let mut written = Vec::with_capacity(files.len());
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        files::replace(&path, &bytes)?;
-        written.push(path);
-    }
-    Ok(Written { files: written, problems, missing, runs: store.runs().len(), evaluations: store.len() })
+    let files = files::write_all(&layout::report_dir(results), files)?;
+    Ok(Written { files, problems, missing, runs: store.runs().len(), evaluations: store.len() })
 }
 
 /// The report as Markdown: all tables, and what is missing or wrong.
@@ -135,6 +131,7 @@ fn markdown(store: &Store, tables: &Tables, missing: &[String], problems: &[Prob
         let table = table.map(|table| format!("\n## {title}\n\n{}", table.markdown()));
         text.push_str(&table.unwrap_or_default());
     };
+    section("What training took", Some(&tables.costs));
     section("Claims of the paper", Some(&tables.ledger));
     section("Across environments", tables.aggregates.as_ref());
     section("Comparisons", tables.comparisons.as_ref());

@@ -15,6 +15,9 @@ use crate::{dictionary, missing};
 /// All tables to read; `None` where there is nothing to say.
 pub(super) struct Tables {
     pub(super) summary: Table,
+    pub(super) costs: Table,
+    /// Single runs; for the page and the data alone: it is long.
+    pub(super) runs: Table,
     pub(super) aggregates: Option<Table>,
     pub(super) comparisons: Option<Table>,
     pub(super) ledger: Table,
@@ -22,7 +25,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    pub(super) fn of(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Options) -> Self {
+    pub(super) fn of(store: &Store, groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Options) -> Self {
         let Options { window, resampling, .. } = *options;
         let across = &analysis.across;
         let aggregates = || table::aggregate_table(&across.aggregates, &across.environments, resampling);
@@ -30,6 +33,8 @@ impl Tables {
         let dimensions = dimensions(groups, options);
         Self {
             summary: table::summary_table(&analysis.rows, window, resampling),
+            costs: table::cost_table(&analysis.rows),
+            runs: table::run_table(store.runs(), window, resampling.confidence),
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
             ledger: table::ledger_table(&analysis.ledger, window, resampling),
@@ -37,10 +42,11 @@ impl Tables {
         }
     }
 
-    /// All of them with the name of their files.
+    /// Those that are files of their own, with the names of these.
     fn named(&self) -> impl Iterator<Item = (&'static str, &Table)> {
         let all = [
             ("summary", Some(&self.summary)),
+            ("costs", Some(&self.costs)),
             ("aggregates", self.aggregates.as_ref()),
             ("comparisons", self.comparisons.as_ref()),
             ("ledger", Some(&self.ledger)),
@@ -67,10 +73,12 @@ pub(super) fn files(
     let latex = |(name, table): (&str, &Table)| {
         (PathBuf::from(format!("tables/{name}.tex")), table.latex().into_bytes())
     };
+    let Options { window, resampling, .. } = *options;
     let mut files: Vec<File> = tables.named().map(latex).collect();
     let across = &analysis.across;
     let frames = [
         ("summary.csv", table::summary_frame(&analysis.rows)?),
+        ("costs.csv", table::cost_frame(&analysis.rows)?),
         ("aggregates.csv", table::aggregate_frame(&across.aggregates, across.environments.len())?),
         ("comparisons.csv", table::comparison_frame(&analysis.comparisons)?),
         ("ledger.csv", table::ledger_frame(&analysis.ledger)?),
@@ -79,11 +87,14 @@ pub(super) fn files(
     for (name, frame) in frames {
         files.push((name.into(), table::csv(frame)?));
     }
-    for (name, frame) in [("records", store.frame()?), ("runs", store.run_frame()?)] {
+    for (name, frame) in [
+        ("records", store.frame()?),
+        ("runs", table::run_frame(store.runs(), window, resampling.confidence)?),
+    ] {
         files.push((format!("{name}.parquet").into(), table::parquet(frame.clone())?));
         files.push((format!("{name}.csv").into(), table::csv(frame)?));
     }
-    files.push(("DATA.md".into(), dictionary::markdown().into_bytes()));
+    files.push(("DATA.md".into(), dictionary::markdown(options).into_bytes()));
     Ok(files)
 }
 
@@ -109,6 +120,17 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
         if is_run && analysis.heat.iter().all(|heat| heat.maze.id != maze.id) {
             lacking.push(format!("{}: no record of what teachers did, so no heat maps", maze.id));
         }
+    }
+    let silent = analysis.rows.iter().filter(|row| {
+        row.cost.wall_hours.is_some()
+            && (row.cost.teacher_hours.is_none() || row.cost.learning_hours.is_none())
+    });
+    let silent = silent.count();
+    if silent > 0 {
+        let all = analysis.rows.len();
+        lacking.push(format!(
+            "the teacher's and the student's share of time: timings of {silent} of {all} methods do not tell"
+        ));
     }
     if groups.curves.iter().any(|curve| curve.points.iter().any(|point| point.hours.is_none())) {
         lacking.push("timings of some evaluations: figures over wall-clock time leave them out".to_owned());

@@ -6,6 +6,7 @@
 mod bootstrap;
 mod moments;
 mod order;
+mod permutation;
 mod power;
 mod proportion;
 mod rates;
@@ -14,6 +15,7 @@ mod welch;
 pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified_intervals};
 pub use moments::{Ddof, mean, std_dev};
 pub use order::{iqm, median, quantile};
+pub use permutation::{Permutation, permutation, permutations};
 pub use power::{effect_size, needed_seeds, power};
 pub use proportion::wilson_interval;
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};

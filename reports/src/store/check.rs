@@ -97,8 +97,7 @@ fn impossible(timing: &Timing) -> Option<Fault> {
     if !(wall_s.is_finite() && wall_s >= 0.0) {
         return range("wall_s", wall_s, "a number of at least 0");
     }
-    let parts =
-        [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
+    let parts = [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
     let (field, value) = parts
         .into_iter()
         .filter_map(|(field, value)| Some((field, value?)))

@@ -4,10 +4,9 @@ use std::collections::BTreeSet;
 
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::{Run, Store};
+use super::Store;
 use crate::error::ReportError;
-use crate::record::{Outcome, Record};
-use crate::table;
+use crate::record::Record;
 
 impl Store {
     /// One row per evaluation, ordered by run and step. Columns: the fields of [`Record`] in their order, then
@@ -35,42 +34,6 @@ impl Store {
             columns.push(column(&format!("teacher.{name}"), &records, number));
         }
         Ok(DataFrame::new(records.len(), columns)?)
-    }
-
-    /// One row per run, ordered by run: how far it got, how it ended, what it cost and with what it was made.
-    ///
-    /// # Errors
-    /// [`ReportError::Frame`] if polars cannot hold the data.
-    pub fn run_frame(&self) -> Result<DataFrame, ReportError> {
-        let runs = self.runs();
-        let status = |run: &Run| match run.outcome {
-            Some(Outcome::Finished { .. }) => "finished",
-            Some(Outcome::Failed { .. }) => "failed",
-            None => "unfinished",
-        };
-        let last = |run: &Run| run.records.last().map(|record| (record.step, record.gradient_steps));
-        let versions = |run: &Run| {
-            let versions: Vec<String> =
-                run.manifest.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
-            versions.join(", ")
-        };
-        let columns = vec![
-            table::column("environment", runs, |run| run.key().environment.as_str()),
-            table::column("curriculum", runs, |run| run.key().curriculum.as_str()),
-            table::column("variant", runs, |run| run.key().variant.as_str()),
-            table::column("seed", runs, |run| run.key().seed),
-            table::column("status", runs, status),
-            table::column("evaluations", runs, |run| run.records.len() as u64),
-            table::column("step", runs, |run| last(run).map(|(step, _)| step)),
-            table::column("gradient_steps", runs, |run| last(run).map(|(_, gradient_steps)| gradient_steps)),
-            table::column("wall_hours", runs, |run| run.timings.last().map(|timing| timing.wall_s / 3600.0)),
-            table::column("evaluation_hours", runs, |run| {
-                run.timings.last().map(|timing| timing.evaluation_s / 3600.0)
-            }),
-            table::column("config_hash", runs, |run| run.manifest.hash.as_str()),
-            table::column("versions", runs, versions),
-        ];
-        Ok(DataFrame::new(runs.len(), columns)?)
     }
 }
 

@@ -75,7 +75,7 @@ fn caption(resampling: Resampling) -> String {
          reference, mean over the seeds that both have, with its {} % paired bootstrap interval. P(improvement): \
          probability that a random run of the method scores above one of the reference, ties counting one half. p: \
          Welch's two-sided t-test, corrected by Holm's method for all tests of this table; {UNDEFINED} where neither \
-         side varies. Power: to find an effect of the observed size with the seeds at hand at level {ALPHA}; an \
+         side varies. A variant whose runs are those of the reference evaluation by evaluation is left out. Power: to find an effect of the observed size with the seeds at hand at level {ALPHA}; an \
          observed effect makes it optimistic. Seeds needed: on each side, for a power of {TARGET_POWER}; {UNDEFINED} \
          for more than 10,000.",
         resampling.confidence * 100.0,

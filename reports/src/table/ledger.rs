@@ -52,7 +52,8 @@ pub fn ledger_table(rows: &[Entry], window: usize, resampling: Resampling) -> Ta
          {window} evaluations, or areas under the curve), mean over environments of the mean over pairs of runs with \
          the same seed; of several the largest in size. Brackets: paired bootstrap intervals, stratified by \
          environment, at {} % together for claims of one kind (Bonferroni's correction). Environments with fewer than \
-         {FEWEST_PAIRS} pairs are left out.",
+         {FEWEST_PAIRS} pairs are left out. So are values of a setting whose runs are those of the reference evaluation \
+         by evaluation: they come to the same in the method, are neither better nor worse, and count for no correction.",
         resampling.confidence * 100.0,
     );
     Table::new(caption, 5, HEADER, rows.iter().map(cells))

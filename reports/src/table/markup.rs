@@ -33,10 +33,15 @@ impl Table {
         Self { caption, columns, rows: rows.map(Vec::from).collect() }
     }
 
-    /// The rows for which `keep` says so, with the same caption and columns.
-    pub fn filter(&self, keep: impl Fn(&[String]) -> bool) -> Self {
-        let rows = self.rows.iter().filter(|row| keep(row)).cloned().collect();
-        Self { rows, ..self.clone() }
+    /// The rows whose first cell is `name`, without that cell; below the same caption.
+    pub fn part(&self, name: &str) -> Self {
+        let of_it = |row: &&Vec<String>| row.first().is_some_and(|first| first == name);
+        let rest = |row: &Vec<String>| row.iter().skip(1).cloned().collect();
+        Self {
+            caption: self.caption.clone(),
+            columns: self.columns.iter().skip(1).copied().collect(),
+            rows: self.rows.iter().filter(of_it).map(rest).collect(),
+        }
     }
 
     /// Caption and table in Markdown.

@@ -3,19 +3,23 @@
 mod aggregate;
 mod cells;
 mod comparison;
+mod cost;
 mod environment;
 mod ledger;
 mod markup;
+mod runs;
 mod summary;
 
 use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, ParquetWriter, SerWriter, Series};
 
 pub use aggregate::{aggregate_frame, aggregate_table};
 pub use comparison::{comparison_frame, comparison_table};
+pub use cost::{cost_frame, cost_table};
 pub use environment::{environment_frame, environment_table};
 pub use ledger::{ledger_frame, ledger_table};
 pub(crate) use markup::markdown_escape;
 pub use markup::{Align, Table, html_escape};
+pub use runs::{run_frame, run_table};
 pub use summary::{summary_frame, summary_table};
 
 use crate::error::ReportError;

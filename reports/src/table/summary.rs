@@ -6,6 +6,7 @@ use super::cells::{UNDEFINED, decimal, or_undefined, span, thousands, with_inter
 use super::{Table, column};
 use crate::curves::DDOF;
 use crate::error::ReportError;
+use crate::ledger::FEWEST_PAIRS;
 use crate::methods;
 use crate::stats::Resampling;
 use crate::summary::Row;
@@ -29,13 +30,13 @@ pub fn summary_frame(rows: &[Row]) -> Result<DataFrame, ReportError> {
         column("auc_std", rows, |row| row.auc_std),
         column("steps_to_50", rows, |row| row.steps_to_50),
         column("steps_to_80", rows, |row| row.steps_to_80),
-        column("wall_hours", rows, |row| row.wall_hours),
-        column("gradient_steps", rows, |row| row.gradient_steps),
+        column("wall_hours", rows, |row| row.cost.wall_hours),
+        column("gradient_steps", rows, |row| row.cost.gradient_steps),
     ];
     Ok(DataFrame::new(rows.len(), columns)?)
 }
 
-const HEADER: [&str; 13] = [
+const HEADER: [&str; 11] = [
     "Environment",
     "Curriculum",
     "Variant",
@@ -47,8 +48,6 @@ const HEADER: [&str; 13] = [
     "AUC",
     "Steps to 50 %",
     "Steps to 80 %",
-    "Hours per run",
-    "Gradient steps",
 ];
 
 /// The rows as a table to read.
@@ -59,15 +58,13 @@ pub fn summary_table(rows: &[Row], window: usize, resampling: Resampling) -> Tab
             methods::title(&row.key.curriculum).to_owned(),
             row.key.variant.clone(),
             seeds(row),
-            span(row.last_step),
+            span(row.cost.steps),
             with_spread(Some(row.final_mean), row.final_std),
             with_interval(row.final_iqm, row.final_ci),
             or_undefined(row.best, |best| format!("{} at {}", decimal(best.mean), thousands(best.step))),
             with_spread(row.auc_mean, row.auc_std),
             steps_to(row.steps_to_50, row.reached_50, row.n_seeds),
             steps_to(row.steps_to_80, row.reached_80, row.n_seeds),
-            or_undefined(row.wall_hours, decimal),
-            thousands(row.gradient_steps.round() as u64),
         ]
     };
     Table::new(caption(window, resampling), 3, HEADER, rows.iter().map(cells))
@@ -78,13 +75,14 @@ fn caption(window: usize, resampling: Resampling) -> String {
     format!(
         "Final success: success rate averaged over the last {window} evaluations of each seed, then mean ± standard \
          deviation over seeds (ddof = {DDOF}). IQM: interquartile mean over seeds of the same, with its \
-         {} % percentile bootstrap interval ({} resamples). Best mean: highest point of the mean curve. \
+         {} % percentile bootstrap interval ({} resamples), which covers less than that for fewer than {FEWEST_PAIRS} \
+         seeds. Best mean: highest point of the mean curve. \
          AUC: area under the success rate over training steps divided by those steps, mean ± standard deviation \
          over seeds. Steps to 50 % and 80 %: the step by which at least half of the seeds had a mean success rate \
          of 0.5 or 0.8 over their last {window} evaluations; {UNDEFINED} where fewer did; in \
          parentheses the seeds that did, where some did not by their last evaluation (censored). Steps: training \
          steps at the last evaluation, a range where seeds differ; Seeds: finished runs of all runs where some are \
-         not finished. Hours: wall-clock time, evaluations included. Gradient steps: of the student, mean over seeds.",
+         not finished.",
         confidence * 100.0,
         thousands(resamples as u64),
     )

@@ -81,6 +81,28 @@ fn clear_results_are_judged() {
 }
 
 #[test]
+fn a_value_that_repeats_the_reference_is_not_tested() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    let interplay = || entries(path).into_iter().find(|entry| entry.id == "interplay").unwrap();
+    write_group(path, "MazeA", "teach", "default", 0.6, &teach(10, 1, "online"));
+    write_group(path, "MazeA", "teach", "delta=2", 0.6, &teach(10, 2, "online"));
+    let alone = interplay();
+    assert_eq!((alone.verdict, alone.effect.difference), (Verdict::Undecided, None));
+    assert_eq!(alone.evidence, "Δ = 2: the same runs as Δ = 1, not tested");
+    write_group(path, "MazeA", "teach", "delta=50", 0.1, &teach(10, 50, "online"));
+    let entry = interplay();
+    // With Δ = 2 in the test, an interval of [0, 0] would never let the claim be refuted.
+    assert_eq!(entry.verdict, Verdict::Refuted);
+    assert!((entry.confidence - 0.95).abs() < 1e-12, "one interval alone: {}", entry.confidence);
+    assert!(entry.evidence.ends_with("; Δ = 2: the same runs as Δ = 1, not tested"), "{}", entry.evidence);
+    // In another environment the two differ: then both count.
+    write_group(path, "MazeB", "teach", "default", 0.6, &teach(10, 1, "online"));
+    write_group(path, "MazeB", "teach", "delta=2", 0.5, &teach(10, 2, "online"));
+    assert!((interplay().confidence - 0.975).abs() < 1e-12);
+}
+
+#[test]
 fn few_seeds_decide_nothing() {
     let results = TempDir::new().unwrap();
     for seed in 0..4 {

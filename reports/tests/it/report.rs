@@ -62,6 +62,7 @@ fn all_files_are_written_and_returned() {
         "DATA.md",
         "aggregates.csv",
         "comparisons.csv",
+        "costs.csv",
         "environments.csv",
         "figures/gradient-steps-MazeA.png",
         "figures/gradient-steps-MazeA.svg",
@@ -81,6 +82,7 @@ fn all_files_are_written_and_returned() {
         "figures/success-MazeA.svg",
         "figures/success-MazeB.png",
         "figures/success-MazeB.svg",
+        "files.txt",
         "index.html",
         "ledger.csv",
         "records.csv",
@@ -90,6 +92,7 @@ fn all_files_are_written_and_returned() {
         "summary.csv",
         "summary.md",
         "tables/comparisons.tex",
+        "tables/costs.tex",
         "tables/ledger.tex",
         "tables/summary.tex",
     ];
@@ -158,6 +161,20 @@ fn the_same_results_give_the_same_bytes() {
     assert_eq!(once, content(second.path()));
     report::write(first.path(), &Options::default()).unwrap();
     assert_eq!(once, content(first.path()));
+}
+
+#[test]
+fn figures_of_environments_that_are_gone_do_not_stay() {
+    let results = small_results();
+    report::write(results.path(), &Options::default()).unwrap();
+    let figures = layout::report_dir(results.path()).join("figures");
+    assert!(figures.join("success-MazeB.svg").exists());
+    fs::remove_dir_all(layout::runs_dir(results.path()).join("MazeB")).unwrap();
+    report::write(results.path(), &Options::default()).unwrap();
+    let left = fs::read_dir(figures).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let left: Vec<String> = left.collect();
+    assert!(left.contains(&"success-MazeA.svg".to_owned()), "{left:?}");
+    assert!(left.iter().all(|name| !name.contains("MazeB")), "{left:?}");
 }
 
 #[test]
