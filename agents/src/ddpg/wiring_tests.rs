@@ -124,7 +124,7 @@ fn teachers_see_all_episodes_with_the_goals_that_were_asked_for() {
     let mut batch = Batch::new(env.spec(), 300);
     student.replay_batch(env.as_ref(), &mut rng, &mut batch).unwrap();
     let states = student.replay_states(300, &mut rng);
-    for number in 1..=3 {
+    for number in 1u16..=3 {
         let of_this = |e: f32| e == f32::from(number);
         assert!((70..130).contains(&batch.states.chunks_exact(2).filter(|state| of_this(state[0])).count()));
         assert!((70..130).contains(&states.iter().filter(|state| of_this(state[0] as f32)).count()));
