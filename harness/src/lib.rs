@@ -8,6 +8,7 @@
 pub mod cli;
 pub mod config;
 pub mod error;
+pub mod estimate;
 pub mod executor;
 pub mod merge;
 pub mod progress;

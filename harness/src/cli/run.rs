@@ -1,6 +1,7 @@
 //! `goalbench run`.
 
-use std::collections::BTreeMap;
+mod dry;
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -63,7 +64,7 @@ pub(super) struct Args {
     executor: Executor,
     #[command(flatten)]
     slurm: SlurmArgs,
-    /// Print the plan and change nothing
+    /// Print the plan and what it would take at this machine's speed, and change nothing
     #[arg(long)]
     dry_run: bool,
 }
@@ -129,9 +130,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let plan = Plan::new(&protocol, registry)?;
     let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(folder_name(&plan.name)));
     let jobs = survey(&plan, &results)?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let open = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).count();
+    // No more threads than runs to watch, whatever number was asked for.
+    let parallel = args.jobs.map_or(cores, usize::from).min(open.max(1));
     if args.dry_run {
-        print(&describe(&plan, &jobs, &results));
-        return Ok(ExitCode::SUCCESS);
+        return dry::dry_run(registry, &plan, &jobs, &results, parallel);
     }
     let _lock = Lock::take(&results)?;
     // Another `run` may have worked here between the first look and the lock.
@@ -146,10 +150,6 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     if args.executor == Executor::Slurm {
         return submit(&jobs, &results, &plan.name, args);
     }
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let open = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).count();
-    // No more threads than runs to watch, whatever number was asked for.
-    let parallel = args.jobs.map_or(cores, usize::from).min(open.max(1));
     let display = progress::for_stderr(&jobs, parallel);
     let stopper = Stopper::listen(|| {
         complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
@@ -222,35 +222,6 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
 /// A protocol's name as a folder name.
 fn folder_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect()
-}
-
-/// The plan as text: a line per cell with its seeds and steps, then the sums.
-fn describe(plan: &Plan, jobs: &[Job], results: &Path) -> String {
-    let mut cells: BTreeMap<(usize, String), (Vec<String>, u64)> = BTreeMap::new();
-    let mut order: Vec<String> = Vec::new();
-    for job in jobs {
-        let run = &job.manifest.run;
-        let name = format!("{}/{}/{}", run.environment, run.curriculum, run.variant);
-        let position = order.iter().position(|known| *known == name).unwrap_or_else(|| {
-            order.push(name.clone());
-            order.len() - 1
-        });
-        let cell = cells.entry((position, name)).or_insert((Vec::new(), job.steps));
-        cell.0.push(run.seed.to_string());
-    }
-    let mut text = format!("protocol {}, results in {}\n", plan.name, results.display());
-    for ((_, name), (seeds, steps)) in &cells {
-        text += &format!("  {name:<56} {steps:>9} steps, seeds {}\n", seeds.join(","));
-    }
-    let open: Vec<&Job> = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).collect();
-    text += &format!(
-        "{} runs, {} training steps; {} runs ({} steps) still to do\n",
-        jobs.len(),
-        jobs.iter().map(|job| job.steps).sum::<u64>(),
-        open.len(),
-        open.iter().map(|job| job.steps).sum::<u64>()
-    );
-    text
 }
 
 /// Says what came out and gives the exit code.

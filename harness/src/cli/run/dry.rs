@@ -1,0 +1,72 @@
+//! `goalbench run --dry-run`: the plan as text, and what it would take.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use crate::Registry;
+use crate::cli::{Exit, complain, print};
+use crate::estimate::Estimates;
+use crate::executor::Job;
+use crate::progress::human;
+use crate::protocol::plan::{Plan, PlannedRun};
+use crate::run::folder::State;
+
+/// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take.
+pub(super) fn dry_run(
+    registry: &Registry,
+    plan: &Plan,
+    jobs: &[Job],
+    results: &Path,
+    parallel: usize,
+) -> Exit {
+    print(&describe(plan, jobs, results));
+    let open = jobs.iter().zip(&plan.runs).filter(|(job, _)| !matches!(job.state, State::Ended(_)));
+    let open: Vec<PlannedRun> = open.map(|(_, run)| run.clone()).collect();
+    if open.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let kinds = Estimates::kinds(&open);
+    complain(&format!("goalbench: measuring the speed of {kinds} kinds of run, three cycles each"));
+    let estimates = Estimates::measure(registry, &open, parallel)?;
+    let seconds: Vec<f64> = open.iter().filter_map(|run| estimates.seconds(run)).collect();
+    let longest = seconds.iter().copied().fold(0.0, f64::max);
+    let total: f64 = seconds.iter().sum();
+    // No schedule is shorter than its longest run.
+    let wall = (total / parallel as f64).max(longest);
+    let time = |seconds: f64| human(Duration::from_secs_f64(seconds));
+    print(&format!(
+        "at this machine's speed: {:.1} core-hours, {} with {parallel} runs side by side; longest run {}\n",
+        total / 3600.0,
+        time(wall),
+        time(longest),
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The plan as text: a line per cell with its seeds and steps, then the sums.
+fn describe(plan: &Plan, jobs: &[Job], results: &Path) -> String {
+    let mut cells: Vec<(String, Vec<String>, u64)> = Vec::new();
+    for job in jobs {
+        let run = &job.manifest.run;
+        let name = format!("{}/{}/{}", run.environment, run.curriculum, run.variant);
+        let seed = run.seed.to_string();
+        match cells.iter_mut().find(|(known, ..)| *known == name) {
+            Some((_, seeds, _)) => seeds.push(seed),
+            None => cells.push((name, vec![seed], job.steps)),
+        }
+    }
+    let mut text = format!("protocol {}, results in {}\n", plan.name, results.display());
+    for (name, seeds, steps) in &cells {
+        text += &format!("  {name:<56} {steps:>9} steps, seeds {}\n", seeds.join(","));
+    }
+    let open: Vec<&Job> = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).collect();
+    text += &format!(
+        "{} runs, {} training steps; {} runs ({} steps) still to do\n",
+        jobs.len(),
+        jobs.iter().map(|job| job.steps).sum::<u64>(),
+        open.len(),
+        open.iter().map(|job| job.steps).sum::<u64>()
+    );
+    text
+}
