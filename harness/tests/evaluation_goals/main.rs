@@ -1,0 +1,126 @@
+//! No teacher of the table sees evaluation goals, at any index.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
+
+mod marked;
+mod watched;
+
+use std::path::Path;
+use std::time::Duration;
+
+use curricula::{CURRICULA, Entry};
+use envs::{Environment, Family, Spec};
+use goalbench::Registry;
+use goalbench::config::{self, layer::Layer};
+use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
+use marked::{MARK, SEED};
+use reports::record::{Record, RunKey, Teaching};
+
+/// A run's records, and nothing kept on disk.
+#[derive(Default)]
+struct Notes {
+    records: Vec<Record>,
+    teaching: Vec<Teaching>,
+}
+
+impl Watcher for Notes {
+    fn spent(&mut self, _phase: Phase, _time: Duration) {}
+
+    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
+        self.records.push(record.clone());
+        self.teaching.push(teaching.clone());
+        Ok(())
+    }
+
+    fn cycle(&mut self, _step: u64, _evaluated: bool) -> std::io::Result<Wish> {
+        Ok(Wish::GoOn)
+    }
+
+    fn replay_folder(&self) -> &Path {
+        Path::new("")
+    }
+
+    fn save(&mut self, _state: TrainerState) -> std::io::Result<()> {
+        Err(std::io::Error::other("nobody wished for a checkpoint"))
+    }
+}
+
+/// Ten cycles of a small student on the marked task with the teacher of `entry`, under watch.
+fn run(entry: &'static Entry, own: &[&str], evaluation: [&str; 2]) -> Notes {
+    agents::prepare_thread();
+    let spec = Spec { id: "Marked", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
+    let method = watched::watched(entry);
+    let registry = Registry::builtin()
+        .with_environment(Environment::new(spec.clone(), "A marked point", marked::make))
+        .with_curriculum(method);
+    let student = ["student.batch=16", "student.width=16", "student.updates_per_cycle=4"];
+    let sizes = ["budget.steps=400", "pool.size=20"];
+    let layers: Vec<Layer> = student
+        .iter()
+        .chain(&sizes)
+        .chain(own)
+        .chain(&evaluation)
+        .map(|set| Layer::from_set(set).expect("an assignment"))
+        .collect();
+    let config = config::resolve(&registry, &spec, &method, &layers).expect("a valid config");
+    let key = RunKey {
+        environment: spec.id.into(),
+        curriculum: method.id.into(),
+        variant: "default".into(),
+        seed: SEED,
+    };
+    let mut notes = Notes::default();
+    Trainer::new(&registry, key, config).expect("a run").run(&mut notes).expect("it ends well");
+    notes
+}
+
+/// Every teacher with the configs in which it is handed something else.
+fn teachers() -> Vec<(&'static Entry, Vec<&'static str>)> {
+    let has = |entry: &Entry, field| (entry.defaults)().contains_key(field);
+    let mut all = Vec::new();
+    for entry in CURRICULA {
+        let small = if has(entry, "candidates") {
+            vec!["curriculum.watched.candidates=20", "curriculum.watched.updates_per_cycle=4"]
+        } else {
+            Vec::new()
+        };
+        all.push((entry, small));
+        if has(entry, "states") {
+            all.push((entry, vec!["curriculum.watched.states=replay"]));
+        }
+    }
+    all
+}
+
+#[test]
+fn nothing_of_an_evaluation_is_ever_handed_to_a_teacher() {
+    for (entry, own) in teachers() {
+        let notes = run(entry, &own, ["evaluation.every=80", "evaluation.episodes=3"]);
+        assert_eq!(notes.records.len(), 6, "the untrained student, then every other cycle");
+        assert_eq!(marked::take_evaluation_episodes(), 6 * 3, "evaluations are marked");
+        let handed = watched::take_handed();
+        assert!(handed.times >= 20 * 3, "{} {own:?}: {handed:?}", entry.id);
+        assert!(handed.largest < MARK / 2.0, "{} {own:?}: {handed:?}", entry.id);
+        let goals = notes.teaching.iter().flat_map(|teaching| &teaching.goals);
+        assert!(goals.flatten().all(|x| x.abs() <= 1.0), "{} {own:?}: a goal beyond the square", entry.id);
+    }
+}
+
+#[test]
+fn how_often_and_how_long_is_evaluated_changes_nothing_that_a_teacher_does() {
+    for (entry, own) in teachers() {
+        let often = run(entry, &own, ["evaluation.every=40", "evaluation.episodes=7"]);
+        let seldom = run(entry, &own, ["evaluation.every=400", "evaluation.episodes=1"]);
+        assert_eq!((often.records.len(), seldom.records.len()), (11, 2));
+        let proposed = |notes: &Notes| -> Vec<Vec<f32>> {
+            notes.teaching.iter().flat_map(|teaching| teaching.goals.clone()).collect()
+        };
+        assert_eq!(proposed(&often).len(), 20, "{}", entry.id);
+        assert_eq!(proposed(&often), proposed(&seldom), "{} {own:?}", entry.id);
+        let last = |notes: &Notes| {
+            let (record, teaching) = (notes.records.last(), notes.teaching.last());
+            (record.expect("a record").teacher.clone(), teaching.expect("a line").weights.clone())
+        };
+        assert_eq!(last(&often), last(&seldom), "{} {own:?}", entry.id);
+    }
+}

@@ -1,0 +1,176 @@
+//! A teacher under watch: every number that it is handed is noted.
+
+use std::cell::Cell;
+
+use agents::{AgentError, Batch, Critic, Episode, Network};
+use curricula::{Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, Statistics};
+use envs::rng::Rng;
+use envs::{EnvError, GoalEnv, Observation, Rows, Spec};
+use toml::Table;
+
+/// How often a teacher was handed something, and the largest number in it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Handed {
+    pub(crate) times: u64,
+    pub(crate) largest: f64,
+}
+
+thread_local! {
+    static HANDED: Cell<Handed> = Cell::default();
+    /// The teacher to build next: a table's row holds no closure.
+    static NEXT: Cell<Option<&'static Entry>> = const { Cell::new(None) };
+}
+
+fn note(numbers: impl IntoIterator<Item = f64>) {
+    let Handed { times, largest } = HANDED.get();
+    HANDED
+        .set(Handed { times: times + 1, largest: numbers.into_iter().fold(largest, |a, b| a.max(b.abs())) });
+}
+
+fn note_all(numbers: &[f64]) {
+    note(numbers.iter().copied());
+}
+
+/// What teachers of this thread were handed since the last call.
+pub(crate) fn take_handed() -> Handed {
+    HANDED.take()
+}
+
+/// The row `watched`: the teacher of `entry`, under watch. One at a time in a thread.
+pub(crate) fn watched(entry: &'static Entry) -> Entry {
+    NEXT.set(Some(entry));
+    Entry { id: "watched", build, ..*entry }
+}
+
+fn build(config: &Table, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
+    note_all(setting.pool.as_slice());
+    let entry = NEXT.get().expect("`watched` comes first");
+    Ok(Box::new(Watched((entry.build)(config, setting)?)))
+}
+
+struct Watched(Box<dyn Curriculum>);
+
+impl Curriculum for Watched {
+    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        note_all(&lesson.start.state);
+        note_all(&lesson.start.achieved);
+        note_all(lesson.env.goal());
+        self.0.propose(&mut Lesson {
+            student: &mut WatchedStudent(lesson.student),
+            start: lesson.start,
+            env: &mut WatchedEnv(lesson.env),
+            rng: lesson.rng,
+        })
+    }
+
+    fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
+        note_all(episode.states.as_slice());
+        note_all(episode.achieved.as_slice());
+        note_all(&episode.goal);
+        self.0.observe(episode)
+    }
+
+    fn learn(
+        &mut self,
+        student: &mut dyn Critic,
+        env: &dyn GoalEnv,
+        rng: &mut Rng,
+    ) -> Result<(), CurriculumError> {
+        note_all(env.goal());
+        note_all(&env.observation().state);
+        self.0.learn(&mut WatchedStudent(student), env, rng)
+    }
+
+    fn weights(&self) -> Option<&[f64]> {
+        self.0.weights()
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.0.statistics()
+    }
+}
+
+/// A student whose memories are noted.
+struct WatchedStudent<'a>(&'a mut dyn Critic);
+
+impl Critic for WatchedStudent<'_> {
+    fn spec(&self) -> &Spec {
+        self.0.spec()
+    }
+
+    fn gradient_steps(&self) -> u64 {
+        self.0.gradient_steps()
+    }
+
+    fn lowest_value(&self) -> f64 {
+        self.0.lowest_value()
+    }
+
+    fn confidence(&mut self, goals: &Rows, states: &Rows, network: Network) -> Result<Vec<f64>, AgentError> {
+        self.0.confidence(goals, states, network)
+    }
+
+    fn policy(&mut self, states: &Rows, goals: &Rows, network: Network) -> Result<Rows, AgentError> {
+        self.0.policy(states, goals, network)
+    }
+
+    fn replay_states(&mut self, m: usize, rng: &mut Rng) -> Rows {
+        let states = self.0.replay_states(m, rng);
+        note_all(states.as_slice());
+        states
+    }
+
+    fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
+        self.0.replay_batch(env, rng, batch)?;
+        for numbers in [&batch.states, &batch.next_states, &batch.goals] {
+            note(numbers.iter().map(|&x| f64::from(x)));
+        }
+        Ok(())
+    }
+
+    fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError> {
+        self.0.label_next_actions(batch, network)
+    }
+}
+
+/// An environment whose fresh goals are noted.
+struct WatchedEnv<'a>(&'a mut dyn GoalEnv);
+
+impl GoalEnv for WatchedEnv<'_> {
+    fn spec(&self) -> &Spec {
+        self.0.spec()
+    }
+
+    fn reset(&mut self, rng: &mut Rng) -> Result<(), EnvError> {
+        self.0.reset(rng)
+    }
+
+    fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError> {
+        self.0.set_goal(goal)
+    }
+
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        self.0.sample_goal(rng, goal);
+        note_all(goal);
+    }
+
+    fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
+        self.0.step(action)
+    }
+
+    fn observation(&self) -> &Observation {
+        self.0.observation()
+    }
+
+    fn goal(&self) -> &[f64] {
+        self.0.goal()
+    }
+
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.0.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.0.success(achieved, goal)
+    }
+}
