@@ -3,6 +3,7 @@
 use std::{
     io,
     path::{Path, PathBuf},
+    process::ExitStatus,
 };
 
 /// Errors of this program.
@@ -49,6 +50,16 @@ pub(crate) enum Error {
     NoSuchEntry { wheel: PathBuf, entry: &'static str },
     #[error("cannot {action} {path}: {source}", path = path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
+    #[error("no fault `{name}`; there are {}", known.join(", "))]
+    NoFault { name: String, known: Vec<&'static str> },
+    #[error("{file}: the text that a fault replaces does not stand there once: {text}")]
+    NoPlace { file: String, text: String },
+    #[error("git cannot list the files of {}: {reason}", folder.display())]
+    Git { folder: PathBuf, reason: String },
+    #[error("the faulty program does not build ({status})")]
+    Build { status: ExitStatus },
+    #[error("the check neither passed nor failed ({status}): `goalbench regress check` says why")]
+    Check { status: ExitStatus },
     #[error("cannot start `{command}`: {source}")]
     Start { command: String, source: io::Error },
 }

@@ -1,5 +1,5 @@
-//! Set-up, quickstart and selftest of this workspace, behind the aliases `cargo setup`, `cargo quickstart` and
-//! `cargo selftest`.
+//! Set-up, quickstart, selftest and planted faults of this workspace, behind the aliases `cargo setup`, `cargo quickstart`,
+//! `cargo selftest` and `cargo faults`.
 
 #![allow(clippy::print_stderr, reason = "telling the user about each step is what this program is for")]
 
@@ -7,13 +7,18 @@ mod cargo;
 mod checks;
 mod console;
 mod error;
+mod faults;
 mod pins;
 mod pip;
 mod setup;
 mod stamp;
 mod unpack;
 
-use std::{ffi::OsString, path::Path, process::ExitCode};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand};
 
@@ -45,6 +50,19 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
+    /// Show that the regression gate works: plant known faults in a copy of the project, one at a time, and check each
+    /// faulty program against a baseline. Takes a build and a check per fault.
+    Faults {
+        /// Which faults [default: all].
+        #[arg(long, value_name = "NAME", value_delimiter = ',')]
+        only: Vec<String>,
+        /// Baseline file, relative to the project folder.
+        #[arg(long, value_name = "FILE", default_value = "harness/baselines/gate.json")]
+        baseline: PathBuf,
+        /// Arguments for `goalbench regress check`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
     /// Set up if need be and run every test of the workspace.
     Selftest {
         /// Arguments for `cargo test`.
@@ -66,6 +84,10 @@ fn run(task: Task) -> Result<cargo::Code> {
         Task::Quickstart { arguments } => {
             setup::set_up(&native, Depth::Sizes)?;
             cargo::quickstart(project, &arguments)
+        }
+        Task::Faults { only, baseline, arguments } => {
+            setup::set_up(&native, Depth::Sizes)?;
+            faults::faults(project, &project.join(baseline), &only, &arguments)
         }
         Task::Selftest { arguments } => {
             setup::set_up(&native, Depth::Sizes)?;

@@ -14,6 +14,7 @@ pub mod merge;
 pub mod progress;
 pub mod protocol;
 mod registry;
+pub mod regress;
 pub mod run;
 pub mod status;
 pub mod suggest;

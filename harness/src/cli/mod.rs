@@ -6,6 +6,7 @@
 mod list;
 mod merge;
 mod protocol;
+mod regress;
 mod render;
 mod report;
 mod run;
@@ -58,6 +59,8 @@ enum Command {
     Render(render::Args),
     /// Replay traces recorded from the original environments and compare, step for step
     Verify(verify::Args),
+    /// Guard against changes that make a method learn worse: record a baseline, check against it
+    Regress(regress::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
     /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
@@ -90,6 +93,7 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Report(args) => report::report(&registry, &args),
         Command::Render(args) => render::render(&registry, &args),
         Command::Verify(args) => verify::verify(&args),
+        Command::Regress(args) => regress::regress(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
         Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),

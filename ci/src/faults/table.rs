@@ -1,0 +1,111 @@
+//! The faults: each a change of a few characters that a reviewer can miss, and that a gate should not.
+
+/// A fault to plant.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    /// What the command line calls it.
+    pub(crate) name: &'static str,
+    /// What is wrong then.
+    pub(crate) title: &'static str,
+    /// The file, from the project folder.
+    pub(crate) file: &'static str,
+    /// What stands there, exactly once.
+    pub(crate) original: &'static str,
+    /// What is planted in its place.
+    pub(crate) faulty: &'static str,
+}
+
+/// All faults.
+pub(crate) static FAULTS: &[Fault] = &[
+    Fault {
+        name: "her-off",
+        title: "HER never relabels",
+        file: "agents/src/replay/draw.rs",
+        original: "    k / (k + 1.0)\n",
+        faulty: "    0.0 * k\n",
+    },
+    Fault {
+        name: "reward-sign",
+        title: "the reward of relabelled transitions has the wrong sign",
+        file: "agents/src/replay.rs",
+        original: "batch.rewards[row] = env.reward(&achieved, &goal) as f32;",
+        faulty: "let reward = env.reward(&achieved, &goal) as f32;\n            \
+                 batch.rewards[row] = if draw.future.is_some() { -reward } else { reward };",
+    },
+    Fault {
+        name: "target-frozen",
+        title: "target networks are never updated",
+        file: "agents/src/ddpg/update.rs",
+        original: "        self.actor.follow(polyak)?;\n        self.critic.networks.follow(polyak)?;\n",
+        faulty: "        let _ = polyak;\n",
+    },
+    Fault {
+        name: "clip-removed",
+        title: "the Bellman target is not clipped",
+        file: "agents/src/losses.rs",
+        original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
+        faulty: "    let _ = lowest;\n    reward + gamma * next_value\n",
+    },
+    Fault {
+        name: "clip-wrong-end",
+        title: "the Bellman target is clipped to [0, 1/(1 - gamma)]",
+        file: "agents/src/losses.rs",
+        original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
+        faulty: "    (reward + gamma * next_value).clamp(0.0, -lowest)\n",
+    },
+    Fault {
+        name: "normaliser-frozen",
+        title: "input normalisers never take up what they are fed",
+        file: "agents/src/normalizer.rs",
+        original: "        self.moments.count += (rows.len() / width) as u64;\n        self.refresh();\n",
+        faulty: "        self.moments.count += (rows.len() / width) as u64;\n",
+    },
+    Fault {
+        name: "noise-zero",
+        title: "no exploration noise",
+        file: "agents/src/ddpg.rs",
+        original: "            self.noise.apply(action, rng);\n",
+        faulty: "            let _ = rng;\n",
+    },
+    Fault {
+        name: "teach-inverted",
+        title: "TEACH weighs goals by how little they change",
+        file: "curricula/src/methods/teach.rs",
+        original: "    let proportional =\n        Distribution::proportional(&window.variance(), ",
+        faulty: "    let most = window.variance().into_iter().fold(0.0, f64::max);\n    \
+                 let inverted: Vec<f64> = window.variance().iter().map(|variance| most - variance).collect();\n    \
+                 let proportional =\n        Distribution::proportional(&inverted, ",
+    },
+    Fault {
+        name: "actor-sign",
+        title: "the actor descends the critic's value",
+        file: "agents/src/losses.rs",
+        original: "            slope.fill(-1.0 / n as f32);\n",
+        faulty: "            slope.fill(1.0 / n as f32);\n",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::FAULTS;
+
+    #[test]
+    fn every_fault_can_be_planted_in_one_place_alone() {
+        let project = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        for fault in FAULTS {
+            let text = std::fs::read_to_string(project.join(fault.file)).unwrap();
+            assert_eq!(text.matches(fault.original).count(), 1, "{} in {}", fault.name, fault.file);
+            assert_ne!(fault.original, fault.faulty);
+        }
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<&str> = FAULTS.iter().map(|fault| fault.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), FAULTS.len());
+    }
+}

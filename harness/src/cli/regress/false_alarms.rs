@@ -1,0 +1,58 @@
+//! `goalbench regress false-alarms`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::options::SettingsArgs;
+use super::{Exit, FAILED, print};
+use crate::Registry;
+use crate::protocol::plan::Plan;
+use crate::regress::Baseline;
+use crate::regress::false_alarms::{self, Simulation};
+
+#[derive(clap::Args)]
+#[command(
+    after_help = "Exit code 1 if a larger share than --alpha failed. The same options give the same draws."
+)]
+pub(super) struct Args {
+    /// Baseline file with more seeds than --now and --before together
+    #[arg(long, value_name = "FILE")]
+    baseline: PathBuf,
+    /// Seeds of each simulated check
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    now: usize,
+    /// Other seeds that it is compared with
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    before: usize,
+    /// Simulated checks
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    draws: u64,
+    /// Seed of the draws
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
+    let baseline = Baseline::read(&args.baseline)?;
+    let settings = args.settings.over(baseline.gate.settings)?;
+    let plan = Plan::new(&baseline.protocol(&args.baseline, registry)?, registry)?;
+    let cells = baseline.cells_of(&plan, &args.baseline)?;
+    let simulation = Simulation { now: args.now, before: args.before, draws: args.draws, seed: args.seed };
+    let alarms = false_alarms::simulate(&cells, simulation, settings)?;
+    print(&format!(
+        "{} of {} checks of {} seeds against {} others failed: {:.2} % (95 % interval {:.2} % to {:.2} %); alpha {}, smallest \
+         effect {}\n",
+        alarms.failed,
+        alarms.draws,
+        args.now,
+        args.before,
+        alarms.rate() * 100.0,
+        alarms.interval.0 * 100.0,
+        alarms.interval.1 * 100.0,
+        settings.alpha,
+        settings.smallest_effect
+    ));
+    Ok(if alarms.rate() <= settings.alpha { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+}

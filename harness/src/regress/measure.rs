@@ -1,0 +1,91 @@
+//! What is compared: one number per run.
+
+use serde::Serialize;
+
+use super::cells::{Cell, Curve};
+
+/// A number that sums up one run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// [`area`] under the success rate: how soon and how well it learned. Worse where lower.
+    Area,
+    /// [`final_success`]: how well it did in the end. Worse where lower.
+    FinalSuccess,
+    /// Mean over evaluations of the teacher's effective number of goals, exp(entropy): how widely it spread them. Neither
+    /// more nor fewer is better; a change says that the teacher is another one.
+    EffectiveGoals,
+}
+
+/// All measures, in the order of tables.
+pub const MEASURES: [Measure; 3] = [Measure::Area, Measure::FinalSuccess, Measure::EffectiveGoals];
+
+impl Measure {
+    /// Name in tables.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Area => "area under the curve",
+            Self::FinalSuccess => "final success",
+            Self::EffectiveGoals => "effective goals",
+        }
+    }
+
+    /// Whether lower is worse; otherwise any change counts.
+    pub fn is_success(self) -> bool {
+        self != Self::EffectiveGoals
+    }
+
+    /// The measure of one run; `None` where its teacher has no such number.
+    pub fn of(self, cell: &Cell, curve: &Curve, window: usize) -> Option<f64> {
+        match self {
+            Self::Area => Some(area(&cell.steps, &curve.rates(cell.episodes))),
+            Self::FinalSuccess => Some(final_success(&curve.rates(cell.episodes), window)),
+            Self::EffectiveGoals => curve.effective_goals,
+        }
+    }
+
+    /// By how much `now` differs from `before`: success rates as they are, effective goals as a share of `before`.
+    pub fn change(self, before: f64, now: f64) -> f64 {
+        if self.is_success() { now - before } else { now / before - 1.0 }
+    }
+}
+
+/// Area under `rates` over `steps` (`[evaluations]` both, at least two) by the trapezoid rule, divided by the steps it spans:
+/// a mean success rate in [0, 1].
+///
+/// # Panics
+/// If the slices are of different length, or span no step.
+pub fn area(steps: &[u64], rates: &[f64]) -> f64 {
+    assert_eq!(steps.len(), rates.len(), "a rate per step");
+    let trapezoids = steps.windows(2).zip(rates.windows(2));
+    let sum: f64 = trapezoids.map(|(x, y)| (x[1] - x[0]) as f64 * (y[0] + y[1]) / 2.0).sum();
+    sum / (steps[steps.len() - 1] - steps[0]) as f64
+}
+
+/// Mean of the last `window` (at least 1) of `rates`, or of all where there are fewer.
+///
+/// # Panics
+/// If there is none.
+pub fn final_success(rates: &[f64], window: usize) -> f64 {
+    let last = &rates[rates.len().saturating_sub(window)..];
+    last.iter().sum::<f64>() / last.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measures_by_hand() {
+        // Uneven steps: (10 * 0.25 + 30 * 0.75) / 40.
+        assert_eq!(area(&[0, 10, 40], &[0.0, 0.5, 1.0]), 0.625);
+        assert_eq!(final_success(&[0.0, 0.5, 1.0], 2), 0.75);
+        assert_eq!(final_success(&[0.0, 0.5, 1.0], 9), 0.5);
+    }
+
+    #[test]
+    fn success_falls_in_points_and_goals_move_in_shares() {
+        assert_eq!(Measure::FinalSuccess.change(0.75, 0.5), -0.25);
+        assert_eq!(Measure::EffectiveGoals.change(200.0, 250.0), 0.25);
+    }
+}

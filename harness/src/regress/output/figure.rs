@@ -1,0 +1,59 @@
+//! Curves of the baseline and now, a panel per cell.
+
+use reports::curves::{Curve, DDOF, Point, Progress};
+use reports::figure::{LearningPanel, learning};
+use reports::group::GroupKey;
+use reports::{methods, stats};
+
+use super::Check;
+use crate::error::HarnessError;
+use crate::regress::cells::Cell;
+
+/// An SVG with a panel per cell, the cells of a curriculum side by side.
+///
+/// # Errors
+/// [`HarnessError::Report`] if drawing fails.
+pub fn figure(check: &Check<'_>) -> Result<String, HarnessError> {
+    let mut cells: Vec<(&Cell, &Cell)> = check.before.iter().zip(check.now).collect();
+    // Stable: environments stay in the protocol's order.
+    cells.sort_by(|(a, _), (b, _)| methods::order(&a.curriculum, &b.curriculum));
+    let pairs: Vec<(String, [Curve; 2])> = cells
+        .into_iter()
+        .map(|(before, now)| {
+            let variant =
+                if now.variant == "default" { String::new() } else { format!(" ({})", now.variant) };
+            let title = format!("{}, {}{variant}", now.environment, methods::title(&now.curriculum));
+            (title, [curve(now, "now"), curve(before, "baseline")])
+        })
+        .collect();
+    let panels: Vec<LearningPanel<'_>> = pairs
+        .iter()
+        .map(|(title, curves)| LearningPanel { title: title.clone(), curves: curves.iter().collect() })
+        .collect();
+    let keys = pairs.iter().flat_map(|(_, curves)| curves).map(|curve| &curve.key);
+    Ok(learning(&panels, keys, Progress::EnvironmentSteps)?)
+}
+
+/// The mean curve of a cell, labelled as its `side`.
+fn curve(cell: &Cell, side: &str) -> Curve {
+    let rates: Vec<Vec<f64>> = cell.curves.values().map(|curve| curve.rates(cell.episodes)).collect();
+    let point = |(index, &step): (usize, &u64)| {
+        let at: Vec<f64> = rates.iter().map(|rates| rates[index]).collect();
+        Some(Point {
+            step,
+            n: at.len(),
+            mean: stats::mean(&at)?,
+            std: stats::std_dev(&at, DDOF),
+            ..Point::default()
+        })
+    };
+    Curve {
+        key: GroupKey {
+            environment: cell.environment.clone(),
+            curriculum: cell.curriculum.clone(),
+            variant: side.to_owned(),
+        },
+        points: cell.steps.iter().enumerate().filter_map(point).collect(),
+        episodes: (cell.episodes, cell.episodes),
+    }
+}

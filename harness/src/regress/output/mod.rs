@@ -1,0 +1,153 @@
+//! A comparison for people and for CI systems.
+
+mod figure;
+mod junit;
+mod markdown;
+mod text;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::cells::Cell;
+use super::compare::{Comparison, Test};
+use super::measure::Measure;
+use crate::error::HarnessError;
+
+pub use figure::figure;
+pub use junit::junit;
+pub use markdown::markdown;
+pub use text::text;
+
+/// Names of the files of [`write`].
+pub const JSON: &str = "regression.json";
+/// JUnit's XML, which most CI systems show.
+pub const JUNIT: &str = "junit.xml";
+/// The summary of a CI step.
+pub const SUMMARY: &str = "summary.md";
+/// Curves old and new, as vectors.
+pub const SVG: &str = "regression.svg";
+/// The same in pixels.
+pub const PNG: &str = "regression.png";
+
+/// What a check compared, for every form of output.
+#[derive(Clone, Debug)]
+pub struct Check<'a> {
+    /// What came out.
+    pub comparison: &'a Comparison,
+    /// Cells of the baseline.
+    pub before: &'a [Cell],
+    /// The same cells now.
+    pub now: &'a [Cell],
+    /// Whether any differing curve fails the check.
+    pub exact: bool,
+    /// Further lines worth saying: other versions, cells left out.
+    pub notes: Vec<String>,
+}
+
+impl Check<'_> {
+    /// Whether the check passed.
+    pub fn passed(&self) -> bool {
+        self.comparison.passed(self.exact)
+    }
+
+    /// The outcome in one sentence.
+    pub fn headline(&self) -> String {
+        let c = self.comparison;
+        let failed = c.failed().count();
+        let runs = self.now.iter().map(|cell| cell.curves.len()).sum::<usize>();
+        if !c.failures.is_empty() {
+            return format!(
+                "FAILED: {} of {runs} runs broke down, {failed} of {} tests failed",
+                c.failures.len(),
+                c.tests.len()
+            );
+        }
+        if c.is_identical() {
+            return format!("passed: all {runs} runs are identical to the baseline's, byte for byte");
+        }
+        let curves = format!("{} of {} runs that the baseline has too are identical", c.identical, c.shared);
+        if failed > 0 {
+            return format!("FAILED: {failed} of {} tests failed; {curves}", c.tests.len());
+        }
+        if self.exact {
+            return format!("FAILED: {curves}, and --exact asks for all of them");
+        }
+        format!("passed: none of {} tests failed; {curves}", c.tests.len())
+    }
+
+    /// How was compared.
+    pub fn method(&self) -> String {
+        let Comparison { settings: s, seeds_before, seeds_now, tests, .. } = self.comparison;
+        format!(
+            "{} seeds against {} of the baseline. A group of runs fell where its mean over seeds is lower by {} or more and p <= {}: \
+             exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean of the last \
+             {} evaluations. Effective goals, exp(entropy) of the teacher's choice: two-sided, a change of {} % or more.",
+            seeds_now.len(),
+            seeds_before.len(),
+            s.smallest_effect,
+            s.alpha,
+            tests.len(),
+            s.window,
+            s.smallest_effect * 100.0
+        )
+    }
+}
+
+/// The whole comparison as JSON.
+pub fn json(check: &Check<'_>) -> Value {
+    let mut value = serde_json::to_value(check.comparison).expect("a comparison is plain data");
+    value["passed"] = check.passed().into();
+    value["exact"] = check.exact.into();
+    value["headline"] = check.headline().into();
+    value["notes"] = json!(check.notes);
+    value
+}
+
+/// Writes every form of output into `folder` and names the files.
+///
+/// # Errors
+/// [`HarnessError`] if a file cannot be written or the figure not be drawn.
+pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, HarnessError> {
+    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+    let svg = figure(check)?;
+    let files = [
+        (JSON, format!("{:#}\n", json(check)).into_bytes()),
+        (JUNIT, junit(check).into_bytes()),
+        (SUMMARY, markdown(check).into_bytes()),
+        (PNG, reports::figure::png("regression", &svg)?),
+        (SVG, reports::figure::outlined("regression", &svg)?.into_bytes()),
+    ];
+    let write = |(name, bytes): (&str, Vec<u8>)| {
+        let path = folder.join(name);
+        fs::write(&path, bytes).map_err(HarnessError::io(&path, "write this file"))?;
+        Ok(path)
+    };
+    files.into_iter().map(write).collect()
+}
+
+/// A score as tables show it.
+fn score(measure: Measure, value: f64) -> String {
+    if measure.is_success() { format!("{value:.3}") } else { format!("{value:.1}") }
+}
+
+/// A change as tables show it.
+fn change(test: &Test) -> String {
+    if test.measure.is_success() {
+        format!("{:+.3}", test.change)
+    } else {
+        format!("{:+.0} %", test.change * 100.0)
+    }
+}
+
+/// The bootstrap interval of the difference as tables show it.
+fn interval(test: &Test) -> String {
+    test.interval.map_or("-".to_owned(), |(low, high)| {
+        if test.measure.is_success() {
+            format!("[{low:+.3}, {high:+.3}]")
+        } else {
+            format!("[{low:+.1}, {high:+.1}]")
+        }
+    })
+}
