@@ -1,7 +1,7 @@
 //! A program of your own: all of goalbench, with one more curriculum.
 //!
-//! `nearest` starts with the pool goals that are nearest to where the episode starts and widens its circle whenever the student
-//! succeeds often enough. Many papers use such a distance curriculum as a baseline; it needs no look at the
+//! `nearest` starts with the pool goals that are nearest to where the episode starts and widens its circle whenever the
+//! student succeeds often enough. Many papers use such a distance curriculum as a baseline; it needs no look at the
 //! student's networks.
 //!
 //! ```sh
@@ -61,6 +61,8 @@ struct State {
     share: f64,
     /// Outcomes since the share last grew, at most `episodes` of them.
     recent: Vec<bool>,
+    /// The last episode's choice, a probability for every goal of the pool.
+    curriculum: Distribution,
 }
 
 impl Method for Nearest {
@@ -84,7 +86,8 @@ impl Method for Nearest {
     }
 
     fn build(config: NearestConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        let state = State { share: config.share, recent: Vec::new() };
+        let curriculum = Distribution::uniform(setting.pool.len());
+        let state = State { share: config.share, recent: Vec::new(), curriculum };
         Ok(Box::new(Self { config, pool: Arc::clone(&setting.pool), state }))
     }
 }
@@ -97,12 +100,12 @@ impl Curriculum for Nearest {
             distance(self.pool.row(a), start).total_cmp(&distance(self.pool.row(b), start))
         });
         let within = ((self.state.share * order.len() as f64) as usize).clamp(1, order.len());
-        let nearest = Distribution::uniform_over(&order[..within], order.len());
-        Ok(Proposal::Pool(nearest.draw(lesson.rng)))
+        self.state.curriculum = Distribution::uniform_over(&order[..within], order.len());
+        Ok(Proposal::Pool(self.state.curriculum.draw(lesson.rng)))
     }
 
     fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
-        let State { share, recent } = &mut self.state;
+        let State { share, recent, .. } = &mut self.state;
         recent.push(episode.success);
         if recent.len() > self.config.episodes {
             recent.remove(0);
@@ -116,8 +119,14 @@ impl Curriculum for Nearest {
         Ok(())
     }
 
+    fn weights(&self) -> Option<&[f64]> {
+        Some(self.state.curriculum.probabilities())
+    }
+
     fn statistics(&self) -> Statistics {
-        vec![("share", self.state.share)]
+        let mut statistics = self.state.curriculum.statistics().to_vec();
+        statistics.push(("share", self.state.share));
+        statistics
     }
 
     fn save(&self) -> Result<Vec<u8>, CurriculumError> {
@@ -125,7 +134,9 @@ impl Curriculum for Nearest {
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        self.state = snapshot::load(Self::ID, STATE_VERSION, bytes)?;
+        let state: State = snapshot::load(Self::ID, STATE_VERSION, bytes)?;
+        snapshot::require_goals(state.curriculum.probabilities().len(), self.pool.len())?;
+        self.state = state;
         Ok(())
     }
 }

@@ -1,0 +1,104 @@
+//! Every environment of the paper with every curriculum, for a few cycles.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
+
+mod goal_space;
+#[path = "../support/mod.rs"]
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use goal_space::GoalSpace;
+use goalbench::Registry;
+use reports::layout;
+use reports::record::{Record, RunKey, Teaching};
+use serde::de::DeserializeOwned;
+use support::{goalbench, stderr, stdout};
+
+/// Goals in the pool.
+const POOL: usize = 5;
+/// Training steps: two to four cycles, after every one of which is evaluated.
+const STEPS: u64 = 400;
+
+/// Runs all of them into `out`.
+fn run_all(curricula: &[&str], out: &Path) {
+    let (steps, list) = (STEPS.to_string(), curricula.join(","));
+    let out = out.to_str().expect("a test path is UTF-8");
+    let mut args = vec!["run", "--env", "paper", "--curriculum", &list, "--steps", &steps, "--out", out];
+    let pool = format!("pool.size={POOL}");
+    let small = [
+        "evaluation.every=200",
+        "evaluation.episodes=1",
+        &pool,
+        "student.batch=16",
+        "student.width=16",
+        "student.updates_per_cycle=2",
+        "curriculum.vds.candidates=10",
+        "curriculum.vds.updates_per_cycle=2",
+    ];
+    small.iter().for_each(|set| args.extend(["--set", set]));
+    let output = goalbench(&args);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains(&format!("{} runs finished", 11 * curricula.len())),
+        "{}",
+        stdout(&output)
+    );
+}
+
+fn lines<T: DeserializeOwned>(run: &Path, file: &str) -> Vec<T> {
+    let text = fs::read_to_string(run.join(file)).expect("the run recorded");
+    text.lines().map(|line| serde_json::from_str(line).expect("a line of this kind")).collect()
+}
+
+#[test]
+fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
+    let registry = Registry::builtin();
+    let curricula: Vec<&str> = registry.curricula().iter().map(|entry| entry.id).collect();
+    assert!(curricula.len() >= 6, "the paper's five and the control: {curricula:?}");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    run_all(&curricula, folder.path());
+
+    let environments = envs::suite("paper").expect("the paper's suite");
+    assert_eq!(environments.len(), 11);
+    for environment in environments {
+        let space = GoalSpace::of(environment);
+        let horizon = registry.environment(environment).expect("of the suite").spec.horizon as u64;
+        for entry in registry.curricula() {
+            let key = RunKey {
+                environment: (*environment).into(),
+                curriculum: entry.id.into(),
+                variant: "default".into(),
+                seed: 0,
+            };
+            let run = layout::run_dir(folder.path(), &key);
+            let teaching: Vec<Teaching> = lines(&run, layout::TEACHING);
+            let goals: Vec<&Vec<f32>> = teaching.iter().flat_map(|line| &line.goals).collect();
+            assert_eq!(goals.len() as u64, STEPS / horizon, "{key}: a goal for every episode");
+            for goal in goals {
+                assert!(space.contains(goal), "{key}: {goal:?} is no goal of this environment");
+            }
+            let mut evaluations = lines::<Record>(&run, layout::RECORDS).into_iter().zip(&teaching);
+            assert!(evaluations.all(|(record, line)| told(&record, line, entry.uses_pool)), "{key}");
+        }
+    }
+}
+
+/// Whether an evaluation tells what there is to tell of the teacher: for teachers of the pool its weights, and how spread
+/// out they are; for VDS how spread out its last choice was.
+fn told(record: &Record, teaching: &Teaching, uses_pool: bool) -> bool {
+    let number = |name| record.teacher.get(name).and_then(serde_json::Value::as_f64);
+    let spread = |most: usize| {
+        number("entropy").is_some_and(|nats| (0.0..=(most as f64).ln() + 1e-9).contains(&nats))
+            && number("effective_goals").is_some_and(|n| (1.0..=most as f64 + 1e-9).contains(&n))
+    };
+    match &teaching.weights {
+        Some(weights) => {
+            let sum: f32 = weights.iter().sum();
+            uses_pool && weights.len() == POOL && (sum - 1.0).abs() < 1e-5 && spread(POOL)
+        }
+        // The untrained student has not been taught yet.
+        None => !uses_pool && (record.curriculum != "vds" || record.eval_index == 0 || spread(10)),
+    }
+}
