@@ -1,6 +1,7 @@
 //! What the harness and the teachers may ask of a student.
 
 use std::path::Path;
+use std::time::Duration;
 
 use envs::rng::Rng;
 use envs::{GoalEnv, Observation, Rows, Spec};
@@ -119,6 +120,12 @@ pub trait Agent: Critic + Send {
     /// [`AgentError::Diverged`] if a loss or parameter is not finite, [`AgentError::EmptyReplay`] before the
     /// first episode.
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError>;
+
+    /// How much of the time spent in [`Agent::learn`] so far went into drawing batches; `None` from a student that does
+    /// not tell.
+    fn sampling_time(&self) -> Option<Duration> {
+        None
+    }
 
     /// Appends the episodes that came in since the last save to the log in folder `replay` (created if
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.

@@ -20,6 +20,7 @@ mod update;
 mod wiring_tests;
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use envs::rng::{Purpose, Rng, stream};
 use envs::{GoalEnv, Observation, Rows, Spec};
@@ -54,6 +55,8 @@ pub(crate) struct Ddpg {
     batch: Batch,
     /// As many transitions as an episode has, for feeding the normalisers.
     fresh: Batch,
+    /// Time spent drawing batches.
+    sampling: Duration,
 }
 
 impl Ddpg {
@@ -78,6 +81,7 @@ impl Ddpg {
             noise: Noise::new(config.noise, dims.action),
             batch: Batch::new(spec, config.batch()),
             fresh: Batch::new(spec, spec.horizon),
+            sampling: Duration::ZERO,
             spec: spec.clone(),
             discount,
             config,
@@ -172,10 +176,16 @@ impl Agent for Ddpg {
 
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
         for _ in 0..self.config.updates_per_cycle {
+            let begun = Instant::now();
             self.replay.sample(Source::All, self.config.her_k, env, rng, &mut self.batch)?;
+            self.sampling += begun.elapsed();
             self.learner.update(&self.batch, &self.normalizers)?;
         }
         self.learner.end_cycle(self.config.polyak)
+    }
+
+    fn sampling_time(&self) -> Option<Duration> {
+        Some(self.sampling)
     }
 
     fn save(&mut self, replay: &Path) -> Result<Vec<u8>, AgentError> {

@@ -17,6 +17,7 @@ mod losses;
 mod networks;
 mod noise;
 mod normalizer;
+mod products;
 pub mod registry;
 mod replay;
 mod runtime;
@@ -32,6 +33,7 @@ pub use error::AgentError;
 
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
+pub use products::Products;
 pub use registry::make;
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};

@@ -13,89 +13,15 @@ mod ratio;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use agents::{Agent, Auto, Batch, Mode, Network, Replay, Source, StudentConfig};
+use agents::{Agent, Auto, Batch, Mode, Network, Products, Replay, Source, StudentConfig};
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use envs::Observation;
 use envs::rng::{Purpose, stream};
 use ratio::Ratio;
 use support::{FETCH, Still, random_episode, random_rows};
-use tch::{Device, Kind, Tensor};
 
+/// Transitions per gradient step.
 const BATCH: usize = 1024;
-const WIDTH: usize = 256;
-
-/// The 28 products (40 with three hidden layers) of a DDPG update on preallocated memory, and nothing else.
-#[derive(Default)]
-struct Products {
-    products: Vec<[Tensor; 3]>,
-    memory: Vec<((usize, [usize; 2]), Tensor)>,
-}
-
-impl Products {
-    fn new(layers: usize) -> Self {
-        let seen = FETCH.state + FETCH.goal;
-        let actor = widths(seen, layers, FETCH.action);
-        let critic = widths(seen + FETCH.action, layers, 1);
-        let mut products = Self::default();
-        // Target actor, target critic, critic, actor, critic of the policy's action.
-        for network in [&actor, &critic, &critic, &actor, &critic] {
-            products.forward(network);
-        }
-        products.backward(&critic, true);
-        products.backward(&actor, true);
-        products.backward(&critic, false);
-        // Into the action's columns of the critic's input.
-        products.push([BATCH, WIDTH, FETCH.action], false, true);
-        products
-    }
-
-    fn forward(&mut self, widths: &[usize]) {
-        for pair in widths.windows(2) {
-            self.push([BATCH, pair[0], pair[1]], false, false);
-        }
-    }
-
-    fn backward(&mut self, widths: &[usize], weights: bool) {
-        for (layer, pair) in widths.windows(2).enumerate().rev() {
-            if weights {
-                self.push([pair[0], BATCH, pair[1]], true, false);
-            }
-            if layer > 0 {
-                self.push([BATCH, pair[1], pair[0]], false, true);
-            }
-        }
-    }
-
-    /// left `[rows, inner]` · right `[inner, columns]`; a transposed factor is stored the other way round.
-    fn push(&mut self, [rows, inner, columns]: [usize; 3], left_transposed: bool, right_transposed: bool) {
-        let left = self.matrix(0, rows, inner, left_transposed);
-        let right = self.matrix(1, inner, columns, right_transposed);
-        let out = self.matrix(2, rows, columns, false);
-        self.products.push([out, left, right]);
-    }
-
-    /// The matrix of this role and size: one for all products, as an update's buffers are used again and again.
-    fn matrix(&mut self, role: usize, rows: usize, columns: usize, transposed: bool) -> Tensor {
-        let size = if transposed { [columns, rows] } else { [rows, columns] };
-        let known = self.memory.iter().find(|(key, _)| *key == (role, size));
-        let stored = known.map(|(_, tensor)| tensor.shallow_clone()).unwrap_or_else(|| {
-            let fresh = Tensor::full(size.map(|n| n as i64), 0.5, (Kind::Float, Device::Cpu));
-            self.memory.push(((role, size), fresh.shallow_clone()));
-            fresh
-        });
-        if transposed { stored.tr() } else { stored }
-    }
-
-    fn run(&self) {
-        for [out, left, right] in &self.products {
-            let _ = left.mm_out(out, right);
-        }
-    }
-}
-
-fn widths(inputs: usize, layers: usize, outputs: usize) -> Vec<usize> {
-    std::iter::once(inputs).chain(std::iter::repeat_n(WIDTH, layers)).chain([outputs]).collect()
-}
 
 /// A student with some experience.
 fn student(config: &StudentConfig) -> Box<dyn Agent> {
@@ -120,14 +46,16 @@ fn update(criterion: &mut Criterion<Ratio>) {
     for layers in [2, 3] {
         let mut group = criterion.benchmark_group(format!("update/{layers}x256"));
         group.sampling_mode(SamplingMode::Flat).sample_size(20).measurement_time(Duration::from_secs(30));
-        let products = Products::new(layers);
         let config = StudentConfig { layers: Auto::Value(layers), ..StudentConfig::default() };
+        let products = Products::new(&config, &FETCH).expect("memory");
         let mut student = student(&config);
         let (env, mut rng) = (Still::new(FETCH), stream(0, Purpose::Replay));
         group.bench_function("to its products", |bencher| {
             bencher.iter_custom(|times| {
                 let ratio = |_| {
-                    let bare = timed(|| (0..config.updates_per_cycle).for_each(|_| products.run()));
+                    let bare = timed(|| {
+                        (0..config.updates_per_cycle).for_each(|_| products.run().expect("products"))
+                    });
                     let whole = timed(|| student.learn(&env, &mut rng).expect("finite"));
                     whole.as_secs_f64() / bare.as_secs_f64()
                 };

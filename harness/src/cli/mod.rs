@@ -5,6 +5,7 @@
 
 mod list;
 mod merge;
+mod profile;
 mod protocol;
 mod regress;
 mod render;
@@ -61,6 +62,8 @@ enum Command {
     Verify(verify::Args),
     /// Guard against changes that make a method learn worse: record a baseline, check against it
     Regress(regress::Args),
+    /// Train for a moment and show where the time goes: physics, matrix products, teacher, the rest
+    Profile(profile::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
     /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
@@ -94,6 +97,7 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Render(args) => render::render(&registry, &args),
         Command::Verify(args) => verify::verify(&args),
         Command::Regress(args) => regress::regress(&registry, &args),
+        Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
         Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),

@@ -205,6 +205,17 @@ impl Trainer {
         })
     }
 
+    /// Puts decorators around the training environment and the student, to watch them at work. They must pass on everything
+    /// that they are asked.
+    #[must_use]
+    pub fn decorated(
+        self,
+        env: impl FnOnce(Box<dyn GoalEnv>) -> Box<dyn GoalEnv>,
+        agent: impl FnOnce(Box<dyn Agent>) -> Box<dyn Agent>,
+    ) -> Self {
+        Self { env: env(self.env), agent: agent(self.agent), ..self }
+    }
+
     /// Training steps taken so far.
     pub fn step(&self) -> u64 {
         self.step

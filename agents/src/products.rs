@@ -1,0 +1,151 @@
+//! The matrix products of a gradient step and nothing else: the floor under its cost.
+
+use envs::Spec;
+use tch::{Cuda, Device, Kind, Tensor};
+
+use crate::batch::Dims;
+use crate::config::StudentConfig;
+use crate::error::AgentError;
+
+/// The products of a DDPG update on preallocated memory, 28 with two hidden layers, 38 with three.
+///
+/// No implementation of the update can do without them, so that a gradient step's time is best told as a multiple of
+/// theirs, measured on the same machine in the same minute.
+#[derive(Debug)]
+pub struct Products {
+    device: Device,
+    batch: usize,
+    products: Vec<[Tensor; 3]>,
+    memory: Vec<(Role, Tensor)>,
+}
+
+/// What a matrix is in its product (left, right or result: 0 to 2) and its size.
+type Role = (usize, [usize; 2]);
+
+impl Products {
+    /// The products of one gradient step of the student that `config` describes, for the task `spec`.
+    ///
+    /// # Errors
+    /// [`AgentError::Config`], [`AgentError::Device`].
+    pub fn new(config: &StudentConfig, spec: &Spec) -> Result<Self, AgentError> {
+        let config = config.clone().resolve(spec)?;
+        let device = config.device.open()?;
+        let dims = Dims::of(spec);
+        let widths = |inputs, outputs| -> Vec<usize> {
+            let hidden = std::iter::repeat_n(config.width, config.layers(spec));
+            std::iter::once(inputs).chain(hidden).chain([outputs]).collect()
+        };
+        let actor = widths(dims.actor_inputs(), dims.action);
+        let critic = widths(dims.critic_inputs(), 1);
+        let mut step = Self { device, batch: config.batch(), products: Vec::new(), memory: Vec::new() };
+        // Target actor, target critic, critic, actor, critic of the policy's action.
+        for network in [&actor, &critic, &critic, &actor, &critic] {
+            step.forward(network)?;
+        }
+        step.backward(&critic, true)?;
+        step.backward(&actor, true)?;
+        step.backward(&critic, false)?;
+        // Into the action's columns of the critic's input.
+        step.push([step.batch, config.width, dims.action], false, true)?;
+        Ok(step)
+    }
+
+    fn forward(&mut self, widths: &[usize]) -> Result<(), AgentError> {
+        widths.windows(2).try_for_each(|pair| self.push([self.batch, pair[0], pair[1]], false, false))
+    }
+
+    fn backward(&mut self, widths: &[usize], weights: bool) -> Result<(), AgentError> {
+        for (layer, pair) in widths.windows(2).enumerate().rev() {
+            if weights {
+                self.push([pair[0], self.batch, pair[1]], true, false)?;
+            }
+            if layer > 0 {
+                self.push([self.batch, pair[1], pair[0]], false, true)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// left `[rows, inner]` · right `[inner, columns]`; a transposed factor is stored the other way round.
+    fn push(
+        &mut self,
+        [rows, inner, columns]: [usize; 3],
+        left_transposed: bool,
+        right_transposed: bool,
+    ) -> Result<(), AgentError> {
+        let left = self.matrix(0, [rows, inner], left_transposed)?;
+        let right = self.matrix(1, [inner, columns], right_transposed)?;
+        let out = self.matrix(2, [rows, columns], false)?;
+        self.products.push([out, left, right]);
+        Ok(())
+    }
+
+    /// The matrix of this role and size: one for all products, as an update's buffers are used again and again.
+    fn matrix(&mut self, role: usize, size: [usize; 2], transposed: bool) -> Result<Tensor, AgentError> {
+        let [rows, columns] = size;
+        let size = if transposed { [columns, rows] } else { [rows, columns] };
+        let stored = match self.memory.iter().find(|(known, _)| *known == (role, size)) {
+            Some((_, tensor)) => tensor.shallow_clone(),
+            None => {
+                let fresh = Tensor::f_full(size.map(|n| n as i64), 0.5, (Kind::Float, self.device))?;
+                self.memory.push(((role, size), fresh.shallow_clone()));
+                fresh
+            }
+        };
+        Ok(if transposed { stored.f_tr()? } else { stored })
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.products.len()
+    }
+
+    /// Multiply-add pairs in all of them, two operations each, in units of 10⁹ operations.
+    pub fn gflop(&self) -> f64 {
+        let operations = |[out, left, _]: &[Tensor; 3]| 2 * out.numel() as i64 * left.size()[1];
+        self.products.iter().map(operations).sum::<i64>() as f64 / 1e9
+    }
+
+    /// Multiplies, and waits for a device to be done.
+    ///
+    /// # Errors
+    /// [`AgentError::Torch`] if libtorch refuses.
+    pub fn run(&self) -> Result<(), AgentError> {
+        for [out, left, right] in &self.products {
+            let _ = left.f_mm_out(out, right)?;
+        }
+        if let Device::Cuda(index) = self.device {
+            Cuda::synchronize(index as i64);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use envs::{Family, Spec};
+
+    use super::Products;
+    use crate::auto::Auto;
+    use crate::config::StudentConfig;
+
+    /// Per row of the batch and hidden width w: the forward passes and backward passes of an actor 28 → w → w → 4 and a
+    /// critic 32 → w → w → 1, a product being 2·rows·inner·columns operations.
+    #[test]
+    fn a_step_of_two_layers_is_28_products_and_of_three_38() {
+        let spec = Spec { id: "Push", family: Family::Fetch, state: 25, goal: 3, action: 4, horizon: 50 };
+        let products = |layers| {
+            let config = StudentConfig { layers: Auto::Value(layers), ..StudentConfig::default() };
+            Products::new(&config, &spec).unwrap()
+        };
+        let (two, three) = (products(2), products(3));
+        assert_eq!((two.count(), three.count()), (28, 38));
+        let (actor, critic) = (28 * 256 + 256 * 256 + 256 * 4, 32 * 256 + 256 * 256 + 256);
+        let (actor_back, critic_back) = (256 * 256 + 256 * 4, 256 * 256 + 256);
+        let forward = 2 * actor + 3 * critic;
+        let backward = (actor + actor_back) + (critic + critic_back) + critic_back + 256 * 4;
+        let expected = 2.0 * 1024.0 * f64::from(forward + backward) / 1e9;
+        assert!((two.gflop() - expected).abs() < 1e-9, "{} against {expected}", two.gflop());
+        two.run().unwrap();
+    }
+}

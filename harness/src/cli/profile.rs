@@ -1,0 +1,88 @@
+//! `goalbench profile`.
+
+use std::process::ExitCode;
+
+use super::{Exit, print};
+use crate::Registry;
+use crate::config::layer::Layer;
+use crate::error::HarnessError;
+use crate::profile::{beside, profile};
+use crate::protocol::Protocol;
+use crate::protocol::plan::{Plan, PlannedRun};
+
+#[derive(clap::Args)]
+#[command(
+    after_help = "The matrix products of the updates are run alone after every cycle, in the same process, and told \
+    apart from the rest of the updates by subtraction. Times are those of one thread; other work on the machine disturbs them."
+)]
+pub(super) struct Args {
+    /// Environment to train on
+    #[arg(long = "env", value_name = "ID")]
+    environment: String,
+    /// Curriculum that teaches
+    #[arg(long, value_name = "ID")]
+    curriculum: String,
+    /// Cycles to train: with the default config 2 episodes and 40 gradient steps each
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    cycles: u64,
+    /// Any config field but the budget, as in student.device=cuda [repeatable]
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Profile N processes at once against one alone, instead of parts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    beside: Option<u16>,
+    /// Rounds of --beside, one after the other
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "beside", value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
+    let planned = plan(registry, args)?;
+    let text = match args.beside {
+        Some(runs) => {
+            let found = beside::beside(&arguments(args), runs, args.rounds)?;
+            if args.json { format!("{:#}\n", found.as_json()) } else { found.as_text() }
+        }
+        None => {
+            let found = profile(registry, &planned, args.cycles)?;
+            if args.json { format!("{:#}\n", found.as_json()) } else { found.as_text() }
+        }
+    };
+    print(&text);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The run to be profiled, its names and config checked.
+fn plan(registry: &Registry, args: &Args) -> Result<PlannedRun, HarnessError> {
+    if registry.environment(&args.environment).is_none() {
+        let accepted = registry.environments().iter().map(|entry| entry.spec.id);
+        return Err(HarnessError::unknown("--env: ", "environment", &args.environment, accepted));
+    }
+    let mut protocol = Protocol::from_options();
+    protocol.environments = vec![args.environment.clone()];
+    protocol.curricula =
+        registry.expand_curricula(std::slice::from_ref(&args.curriculum), "--curriculum: ")?;
+    for assignment in &args.set {
+        let layer = Layer::from_set(assignment)?;
+        if layer.table.contains_key("budget") {
+            let reason =
+                format!("`{assignment}` would change nothing; --cycles says how long a profile trains");
+            return Err(HarnessError::Argument { option: "--set", reason });
+        }
+        protocol.set(layer);
+    }
+    let mut plan = Plan::new(&protocol, registry)?;
+    Ok(plan.runs.remove(0))
+}
+
+/// The command line of one of the processes of `--beside`.
+fn arguments(args: &Args) -> Vec<String> {
+    let cycles = args.cycles.to_string();
+    let options =
+        ["--env", &args.environment, "--curriculum", &args.curriculum, "--cycles", &cycles, "--json"];
+    let set = args.set.iter().flat_map(|assignment| ["--set", assignment]);
+    std::iter::once("profile").chain(options).chain(set).map(str::to_owned).collect()
+}

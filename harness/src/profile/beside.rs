@@ -1,0 +1,103 @@
+//! Runs side by side: how much of a single run's speed each keeps.
+
+use std::fmt::Write as _;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::error::HarnessError;
+
+/// Training steps per second of profiled processes, alone and beside each other, a number per round.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beside {
+    /// Processes at once.
+    pub runs: u16,
+    /// Of one process alone.
+    pub alone: Vec<f64>,
+    /// Of all at once, added up.
+    pub together: Vec<f64>,
+}
+
+impl Beside {
+    /// Speed of all together over that of one alone, both of their best rounds: what else the machine does can only slow
+    /// a round down.
+    pub fn gain(&self) -> f64 {
+        let best = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max);
+        best(&self.together) / best(&self.alone)
+    }
+
+    /// All numbers.
+    pub fn as_json(&self) -> Value {
+        json!({
+            "runs": self.runs,
+            "alone_steps_per_second": self.alone,
+            "together_steps_per_second": self.together,
+            "gain": self.gain(),
+        })
+    }
+
+    /// A line per round for people.
+    pub fn as_text(&self) -> String {
+        let mut text = String::from("training steps/s    alone  together\n");
+        for (round, (alone, together)) in self.alone.iter().zip(&self.together).enumerate() {
+            let _ = writeln!(text, "round {:<12} {alone:>7.1} {together:>9.1}", round + 1);
+        }
+        let _ = writeln!(
+            text,
+            "\n{} runs side by side are {:.3} times as fast as one (best rounds)",
+            self.runs,
+            self.gain()
+        );
+        text
+    }
+}
+
+/// Starts this program with `arguments`, which must print a profile as JSON: alone, then `runs` times at once, for several
+/// `rounds` in turn, so that both meet the same machine.
+///
+/// # Errors
+/// [`HarnessError::Io`] if a process cannot be started, [`HarnessError::Run`] if one fails.
+pub fn beside(arguments: &[String], runs: u16, rounds: u16) -> Result<Beside, HarnessError> {
+    let mut found = Beside { runs, alone: Vec::new(), together: Vec::new() };
+    for _ in 0..rounds {
+        found.alone.push(at_once(arguments, 1)?);
+        found.together.push(at_once(arguments, runs)?);
+    }
+    Ok(found)
+}
+
+/// The sum of the speeds of `runs` processes.
+fn at_once(arguments: &[String], runs: u16) -> Result<f64, HarnessError> {
+    let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
+    let start = |_| {
+        let mut command = Command::new(&program);
+        command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()
+    };
+    let started: Vec<_> = (0..runs).map(start).collect();
+    // All are waited for, whatever becomes of the others.
+    let ended: Vec<_> = started.into_iter().map(|child| child?.wait_with_output()).collect();
+    let mut sum = 0.0;
+    for output in ended {
+        let output = output.map_err(HarnessError::io(&program, "run this program"))?;
+        let speed = serde_json::from_slice::<Value>(&output.stdout)
+            .ok()
+            .and_then(|profile| profile["steps_per_second"].as_f64());
+        sum += speed.ok_or_else(|| HarnessError::Run {
+            run: arguments.join(" "),
+            reason: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+        })?;
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Beside;
+
+    #[test]
+    fn the_gain_is_that_of_the_best_rounds() {
+        let found = Beside { runs: 2, alone: vec![80.0, 100.0], together: vec![190.0, 120.0] };
+        assert_eq!(found.gain(), 1.9);
+        assert!(found.as_text().contains("1.900 times"));
+    }
+}

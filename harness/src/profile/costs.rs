@@ -1,0 +1,243 @@
+//! What a training step costs, by part, and what it would cost at least.
+
+use std::fmt::Write as _;
+
+use reports::record::RunKey;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// How much was done, and what a whole run does beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Cycles.
+    pub cycles: u64,
+    /// Training steps.
+    pub steps: u64,
+    /// Gradient steps.
+    pub updates: u64,
+    /// Training steps between two evaluations of a whole run, each with a checkpoint.
+    pub evaluation_every: u64,
+}
+
+/// Seconds per training step of a whole run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Costs {
+    /// The environment's steps.
+    pub physics: f64,
+    /// Its resets.
+    pub resets: f64,
+    /// Exploring actions.
+    pub acting: f64,
+    /// Taking in episodes: into the replay buffer and the normalisers.
+    pub storing: f64,
+    /// The matrix products of the gradient steps, run alone.
+    pub products: f64,
+    /// The rest of the gradient steps: what lies between the products, Adam, Polyak.
+    pub beside_products: f64,
+    /// Drawing batches from the replay buffer, with relabelling.
+    pub sampling: f64,
+    /// The teacher.
+    pub teacher: f64,
+    /// Evaluations.
+    pub evaluation: f64,
+    /// Checkpoints.
+    pub checkpoint: f64,
+    /// Everything else in the loop.
+    pub rest: f64,
+}
+
+/// A part's name and what is in it.
+pub struct Part {
+    /// Its key in JSON.
+    pub name: &'static str,
+    /// For people.
+    pub about: &'static str,
+    /// Seconds per training step.
+    pub seconds: f64,
+}
+
+impl Costs {
+    /// The parts in the order in which they are shown.
+    pub fn parts(&self) -> [Part; 11] {
+        let part = |name, about, seconds| Part { name, about, seconds };
+        [
+            part("physics", "steps of the environment", self.physics),
+            part("resets", "resets of the environment", self.resets),
+            part("acting", "exploring actions, one at a time", self.acting),
+            part("storing", "episodes into replay and normalisers", self.storing),
+            part("products", "matrix products of the updates, run alone", self.products),
+            part(
+                "beside_products",
+                "rest of the updates: between products, Adam, Polyak",
+                self.beside_products,
+            ),
+            part("sampling", "batches from replay, relabelled", self.sampling),
+            part("teacher", "proposing, observing, learning", self.teacher),
+            part("evaluation", "greedy episodes, in lockstep", self.evaluation),
+            part("checkpoint", "student, teacher and new episodes to disk", self.checkpoint),
+            part("rest", "everything else in the loop", self.rest),
+        ]
+    }
+
+    /// Seconds per training step, all in all.
+    pub fn total(&self) -> f64 {
+        self.parts().iter().map(|part| part.seconds).sum()
+    }
+
+    /// 1/(physics + products): training steps per second if nothing else took time.
+    pub fn limit(&self) -> f64 {
+        1.0 / (self.physics + self.products)
+    }
+
+    /// Training steps per second of a whole run as a share of [`Costs::limit`].
+    pub fn share_of_limit(&self) -> f64 {
+        1.0 / (self.total() * self.limit())
+    }
+
+    /// Gradient steps as a multiple of their bare products, drawing of batches apart or included.
+    fn over_products(&self, sampling: bool) -> f64 {
+        let drawing = if sampling { self.sampling } else { 0.0 };
+        (self.products + self.beside_products + drawing) / self.products
+    }
+}
+
+/// The profile of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Which run.
+    pub run: RunKey,
+    /// Transitions per gradient step.
+    pub batch: usize,
+    /// Hidden layers.
+    pub layers: usize,
+    /// What was done.
+    pub size: Size,
+    /// What it cost.
+    pub costs: Costs,
+}
+
+impl Profile {
+    /// Gradient steps per training step.
+    fn updates_per_step(&self) -> f64 {
+        self.size.updates as f64 / self.size.steps as f64
+    }
+
+    /// Training steps per second of a whole run.
+    pub fn steps_per_second(&self) -> f64 {
+        1.0 / self.costs.total()
+    }
+
+    /// All numbers; times in seconds.
+    pub fn as_json(&self) -> Value {
+        let Costs { products, .. } = self.costs;
+        let shares =
+            self.costs.parts().map(|part| (part.name.to_owned(), json!(part.seconds / self.costs.total())));
+        json!({
+            "run": self.run,
+            "batch": self.batch,
+            "layers": self.layers,
+            "measured": self.size,
+            "seconds_per_step": self.costs,
+            "shares": Value::Object(shares.into_iter().collect()),
+            "steps_per_second": self.steps_per_second(),
+            "updates_per_second": self.steps_per_second() * self.updates_per_step(),
+            "limit_steps_per_second": self.costs.limit(),
+            "share_of_limit": self.costs.share_of_limit(),
+            "products_s_per_update": products / self.updates_per_step(),
+            "update_to_products": self.costs.over_products(false),
+            "update_and_sampling_to_products": self.costs.over_products(true),
+        })
+    }
+
+    /// A table for people.
+    pub fn as_text(&self) -> String {
+        let Self { run, batch, layers, size, costs } = self;
+        let mut text = format!(
+            "{run}: {} cycles, {} training steps, {} updates of batch {batch}, {layers} hidden layers\n\n",
+            size.cycles, size.steps, size.updates
+        );
+        let mut line = |name: &str, seconds: f64, about: &str| {
+            let share = 100.0 * seconds / costs.total();
+            let _ = writeln!(text, "{name:<16} {:>12.2} {share:>6.1} %  {about}", 1e6 * seconds);
+        };
+        for Part { name, about, seconds } in costs.parts() {
+            line(&name.replace('_', " "), seconds, about);
+        }
+        line("all", costs.total(), "µs per training step");
+        let every = size.evaluation_every;
+        let _ = write!(
+            text,
+            "\nOne evaluation and one checkpoint are counted for every {every} steps, as in a whole run.\n\
+             {:.1} training steps/s, {:.1} updates/s; at the limit 1/(physics + products) {:.1} steps/s: {:.3} of it\n\
+             an update takes {:.2} ms for its bare products and {:.3} times that in all ({:.3} with its batch)\n",
+            self.steps_per_second(),
+            self.steps_per_second() * self.updates_per_step(),
+            costs.limit(),
+            costs.share_of_limit(),
+            1e3 * costs.products / self.updates_per_step(),
+            costs.over_products(false),
+            costs.over_products(true),
+        );
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use reports::record::RunKey;
+
+    use super::{Costs, Profile, Size};
+
+    /// 10 ms per step, of which physics takes 1 and products 4.
+    fn profile() -> Profile {
+        let costs = Costs {
+            physics: 1e-3,
+            resets: 0.25e-3,
+            acting: 0.5e-3,
+            storing: 0.25e-3,
+            products: 4e-3,
+            beside_products: 1e-3,
+            sampling: 0.5e-3,
+            teacher: 1e-3,
+            evaluation: 0.75e-3,
+            checkpoint: 0.25e-3,
+            rest: 0.5e-3,
+        };
+        let run = RunKey {
+            environment: "FetchPush".into(),
+            curriculum: "teach".into(),
+            variant: "default".into(),
+            seed: 0,
+        };
+        let size = Size { cycles: 2, steps: 200, updates: 80, evaluation_every: 10_000 };
+        Profile { run, batch: 1024, layers: 2, size, costs }
+    }
+
+    #[test]
+    fn rates_and_limit_by_hand() {
+        let profile = profile();
+        let near = |got: f64, expected: f64| assert!((got - expected).abs() < 1e-9 * expected, "{got}");
+        near(profile.costs.total(), 10e-3);
+        near(profile.steps_per_second(), 100.0);
+        near(profile.costs.limit(), 200.0);
+        near(profile.costs.share_of_limit(), 0.5);
+        let json = profile.as_json();
+        let number = |key: &str| json[key].as_f64().expect(key);
+        near(number("updates_per_second"), 40.0);
+        near(number("products_s_per_update"), 10e-3);
+        near(number("update_to_products"), 1.25);
+        near(number("update_and_sampling_to_products"), 1.375);
+        near(json["shares"]["teacher"].as_f64().expect("a share"), 0.1);
+    }
+
+    #[test]
+    fn the_table_names_every_part_with_its_share() {
+        let text = profile().as_text();
+        for part in profile().costs.parts() {
+            let share = format!("{:.1} %", 100.0 * part.seconds / 10e-3);
+            let line = text.lines().find(|line| line.ends_with(part.about)).expect(part.name);
+            assert!(line.starts_with(&part.name.replace('_', " ")) && line.contains(&share), "{line}");
+        }
+        assert!(text.contains("100.0 training steps/s"), "{text}");
+    }
+}
