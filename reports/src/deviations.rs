@@ -54,6 +54,12 @@ pub static DEVIATIONS: &[Deviation] = &[
         "HER-IID-pool draws uniformly from the same fixed pool: it separates choosing well from choosing from a pool",
     ),
     row(
+        "Pool goals of HandManipulate*",
+        "does not say that these goals depend on the start: they hold the place where the object has settled",
+        "goals of the pool keep the place of the start they were drawn for, also where they are set at another; fresh \
+         goals (HER-IID, VDS) are of the start at hand",
+    ),
+    row(
         "Grids of ablations",
         "prints no values beyond n = 3, n = 10 and Δ = 1",
         "n of 3, 5, 10 and 20; Δ of 1, 2, 5, 10 and 50",

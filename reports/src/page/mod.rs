@@ -2,10 +2,9 @@
 
 mod protocol;
 
-use crate::deviations::DEVIATIONS;
 use crate::problem::Problem;
 use crate::store::Store;
-use crate::table::{Align, Table, html_escape};
+use crate::table::{Table, html_escape};
 
 /// Where a figure stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,6 +55,8 @@ pub struct Page<'a> {
     pub ledger: &'a Table,
     /// Dimensions of environments.
     pub dimensions: Option<&'a Table>,
+    /// Known deviations from the paper.
+    pub deviations: &'a Table,
     /// What the report lacks.
     pub missing: &'a [String],
 }
@@ -83,7 +84,7 @@ impl Page<'_> {
                 "Dimensions of the environments",
                 self.dimensions.map(Table::html).unwrap_or_default(),
             ),
-            ("deviations", "Deviations from the paper", deviations().html()),
+            ("deviations", "Deviations from the paper", self.deviations.html()),
             ("protocol", "Protocol", protocol::settings(self.store.runs()).html()),
             ("versions", "Versions", protocol::versions(self.store.runs()).html()),
             ("missing", "What is missing", self.missing()),
@@ -112,14 +113,16 @@ impl Page<'_> {
     fn overview(&self) -> String {
         let runs = self.store.runs();
         let finished = runs.iter().filter(|run| run.is_finished()).count();
-        let problems = self.problems.len();
+        let linked = |count: usize, what: &str, id: &str| {
+            let text = format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+            if count == 0 { text } else { format!("<a href=\"#{id}\">{text}</a>") }
+        };
         format!(
-            "<p>{} evaluations of {} runs, {finished} of them finished; {} problems in the records, {} things \
-             missing.</p>\n{}{}",
+            "<p>{} evaluations of {} runs, {finished} of them finished; {} in the records, {} missing.</p>\n{}{}",
             self.store.len(),
             runs.len(),
-            problems,
-            self.missing.len(),
+            linked(self.problems.len(), "problem", "problems"),
+            linked(self.missing.len(), "thing", "missing"),
             self.pictures(&Section::Overview),
             self.summary.html(),
         )
@@ -163,39 +166,29 @@ impl Page<'_> {
         }
         let figure = |picture: &&Picture| {
             let title = html_escape(&picture.title);
-            // The width in the picture's own units tells apart what fits in a column from what fills the page.
-            let class = if width(&picture.svg).is_some_and(|width| width > WIDE) { "wide" } else { "narrow" };
+            // All at one scale, so that text is of one size.
+            let scaled = |name| (SCALE * side(&picture.svg, name).unwrap_or_default()).round();
+            let (width, height) = (scaled("width"), scaled("height"));
+            let class = if width > WIDE { "wide" } else { "narrow" };
             let data = percent_encode(&picture.svg);
             format!(
-                "<figure class=\"{class}\"><img src=\"data:image/svg+xml,{data}\" alt=\"{title}\">\
-                 <figcaption>{title}</figcaption></figure>\n"
+                "<figure class=\"{class}\"><img width=\"{width}\" height=\"{height}\" alt=\"{title}\" \
+                 src=\"data:image/svg+xml,{data}\"><figcaption>{title}</figcaption></figure>\n"
             )
         };
         format!("<div class=\"figures\">\n{}</div>\n", pictures.iter().map(figure).collect::<String>())
     }
 }
 
-/// Figures wider than this fill the page.
-const WIDE: f64 = 1100.0;
+/// Pixels of the page per pixel of a figure.
+const SCALE: f64 = 0.42;
+/// Figures wider than this have a row of the page to themselves.
+const WIDE: f64 = 500.0;
 
-/// Width of an SVG as its root says.
-fn width(svg: &str) -> Option<f64> {
-    let (_, rest) = svg.split_once("width=\"")?;
+/// `width` or `height` of an SVG, as its root says.
+fn side(svg: &str, name: &str) -> Option<f64> {
+    let (_, rest) = svg.split_once(&format!("{name}=\""))?;
     rest.split_once('"')?.0.parse().ok()
-}
-
-/// The list of known deviations.
-pub fn deviations() -> Table {
-    Table {
-        caption:
-            "Where the paper is silent or contradicts itself, each choice is a setting with this default."
-                .into(),
-        columns: ["Topic", "The paper", "Here"].map(|title| (title, Align::Text)).to_vec(),
-        rows: DEVIATIONS
-            .iter()
-            .map(|row| [row.topic, row.paper, row.here].map(str::to_owned).to_vec())
-            .collect(),
-    }
 }
 
 /// An HTML list, or nothing for no items.
@@ -226,13 +219,6 @@ mod tests {
     #[test]
     fn data_urls_by_hand() {
         assert_eq!(percent_encode("<a b=\"#é\">\n"), "%3Ca b=%22%23%C3%A9%22%3E%0A");
-        assert_eq!(width("<svg xmlns=\"x\" width=\"1050\" height=\"9\">"), Some(1050.0));
-    }
-
-    #[test]
-    fn deviations_are_complete_sentences_of_three() {
-        for row in DEVIATIONS {
-            assert!([row.topic, row.paper, row.here].iter().all(|text| !text.is_empty()), "{row:?}");
-        }
+        assert_eq!(side("<svg xmlns=\"x\" width=\"1050\" height=\"9\">", "height"), Some(9.0));
     }
 }

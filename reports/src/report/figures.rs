@@ -69,7 +69,7 @@ fn render(drawing: Drawing) -> Result<Rendered, ReportError> {
 /// Learning curves against each kind of progress: one figure of all environments, and one of each.
 fn learning(groups: &Groups<'_>) -> Result<Vec<Drawing>, ReportError> {
     let kinds = [
-        (Progress::EnvironmentSteps, "grid", "success", "environment steps"),
+        (Progress::EnvironmentSteps, "grid", "success", "environment steps (Figures 2 and 6 of the paper)"),
         (Progress::GradientSteps, "grid-gradient-steps", "gradient-steps", "gradient steps"),
         (Progress::Hours, "grid-hours", "hours", "wall-clock time"),
     ];
@@ -88,7 +88,7 @@ fn learning(groups: &Groups<'_>) -> Result<Vec<Drawing>, ReportError> {
         drawings.push(Drawing {
             name: grid.to_owned(),
             section: Section::Overview,
-            title: format!("Success rate against {against}, all environments"),
+            title: format!("All environments: success rate against {against}"),
             svg: figure::learning(&panels, groups.keys(), progress)?,
         });
         for (index, panel) in panels.iter().enumerate() {

@@ -106,6 +106,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
         comparisons: tables.comparisons.as_ref(),
         ledger: &tables.ledger,
         dimensions: tables.dimensions.as_ref(),
+        deviations: &tables.deviations,
         missing: &missing,
     };
     let mut files = vec![
@@ -136,7 +137,7 @@ fn markdown(store: &Store, tables: &Tables, missing: &[String], problems: &[Prob
     section("Across environments", tables.aggregates.as_ref());
     section("Comparisons", tables.comparisons.as_ref());
     section("Dimensions of the environments", tables.dimensions.as_ref());
-    section("Deviations from the paper", Some(&crate::page::deviations()));
+    section("Deviations from the paper", Some(&tables.deviations));
     let mut list = |title: &str, items: Vec<String>| {
         if !items.is_empty() {
             text.push_str(&format!("\n## {title} ({})\n\n", items.len()));

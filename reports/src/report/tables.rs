@@ -22,6 +22,7 @@ pub(super) struct Tables {
     pub(super) comparisons: Option<Table>,
     pub(super) ledger: Table,
     pub(super) dimensions: Option<Table>,
+    pub(super) deviations: Table,
 }
 
 impl Tables {
@@ -38,6 +39,7 @@ impl Tables {
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
             ledger: table::ledger_table(&analysis.ledger, window, resampling),
+            deviations: table::deviation_table(),
             dimensions: (!dimensions.is_empty()).then(|| table::environment_table(&dimensions)),
         }
     }
@@ -51,6 +53,7 @@ impl Tables {
             ("comparisons", self.comparisons.as_ref()),
             ("ledger", Some(&self.ledger)),
             ("environments", self.dimensions.as_ref()),
+            ("deviations", Some(&self.deviations)),
         ];
         all.into_iter().filter_map(|(name, table)| Some((name, table?)))
     }

@@ -1,4 +1,5 @@
-//! One table in three markups. Names in it are plain text: each markup escapes them its own way.
+//! One table in Markdown and HTML, and [in LaTeX](super::latex). Names in it are plain text: each markup escapes them
+//! its own way.
 
 /// How the cells of a column are set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,6 +9,9 @@ pub enum Align {
     /// Numbers, at the right.
     Number,
 }
+
+/// Longest name, in characters: a longer text in a column of text is prose.
+const LONGEST_NAME: usize = 30;
 
 /// A table to read: cells of plain text below a caption that says how its numbers were made.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,15 +68,21 @@ impl Table {
     /// An HTML `table`, its caption below.
     pub fn html(&self) -> String {
         let class = |align| if align == Align::Text { "text" } else { "number" };
-        let mut text = String::from("<figure class=\"table\"><div class=\"scroll\"><table>\n<thead><tr>");
+        let is_prose = (0..self.columns.len()).any(|column| self.is_prose(column));
+        // Narrow screens show a row of prose as a card, each cell below its title.
+        let kind = if is_prose { " class=\"prose\"" } else { "" };
+        let label =
+            |title| if is_prose { format!(" data-title=\"{}\"", html_escape(title)) } else { String::new() };
+        let mut text = format!("<figure class=\"table\"><div class=\"scroll\"><table{kind}>\n<thead><tr>");
         for (title, align) in &self.columns {
             text += &format!("<th scope=\"col\" class=\"{}\">{}</th>", class(*align), html_escape(title));
         }
         text += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
             text += "<tr>";
-            for (cell, (_, align)) in row.iter().zip(&self.columns) {
-                text += &format!("<td class=\"{}\">{}</td>", class(*align), html_escape(cell));
+            for (cell, (title, align)) in row.iter().zip(&self.columns) {
+                text +=
+                    &format!("<td class=\"{}\"{}>{}</td>", class(*align), label(title), html_escape(cell));
             }
             text += "</tr>\n";
         }
@@ -84,25 +94,10 @@ impl Table {
         text
     }
 
-    /// A LaTeX `tabular` in the style of the package `booktabs`; the caption is a comment above it.
-    pub fn latex(&self) -> String {
-        let letter = |align| if align == Align::Text { 'l' } else { 'r' };
-        let spec: String = self.columns.iter().map(|&(_, align)| letter(align)).collect();
-        let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
-        // A comment ends with its line, which a name must not do.
-        let caption: String = self.caption.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let mut text = format!(
-            "% {caption}\n% Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{{spec}}}\n\\toprule\n"
-        );
-        text += &line(self.columns.iter().map(|(title, _)| latex_escape(title)).collect());
-        text += "\\midrule\n";
-        for row in &self.rows {
-            let line = line(row.iter().map(|cell| latex_escape(cell)).collect());
-            // At the start of a row `[` and `*` would be read as arguments of the `\\` before it.
-            text += if line.starts_with(['[', '*']) { "{}" } else { "" };
-            text += &line;
-        }
-        text + "\\bottomrule\n\\end{tabular}\n"
+    /// Whether a column holds prose, which may be broken into lines: a text longer than [`LONGEST_NAME`] characters.
+    pub(super) fn is_prose(&self, column: usize) -> bool {
+        let is_long = |row: &Vec<String>| row[column].chars().count() > LONGEST_NAME;
+        self.columns[column].1 == Align::Text && self.rows.iter().any(is_long)
     }
 }
 
@@ -139,29 +134,6 @@ pub fn html_escape(text: &str) -> String {
     escaped
 }
 
-/// Plain text in LaTeX; the signs of our own cells become commands that every engine knows.
-fn latex_escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' | '%' | '$' | '#' | '_' | '{' | '}' => escaped.extend(['\\', c]),
-            '\\' => escaped.push_str("\\textbackslash{}"),
-            '~' => escaped.push_str("\\textasciitilde{}"),
-            '^' => escaped.push_str("\\textasciicircum{}"),
-            '<' => escaped.push_str("$<$"),
-            '>' => escaped.push_str("$>$"),
-            '±' => escaped.push_str("$\\pm$"),
-            'Δ' => escaped.push_str("$\\Delta$"),
-            '≤' => escaped.push_str("$\\le$"),
-            '−' => escaped.push_str("$-$"),
-            '–' => escaped.push_str("--"),
-            c if c.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
-            c => escaped.push(c),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,20 +148,7 @@ mod tests {
         let table = table();
         assert!(table.markdown().ends_with("| --- | ---: |\n| a\\|b\\_\\<i\\> | 0.50 ± 0.10 |\n"));
         assert!(table.html().contains("<td class=\"text\">a|b_&lt;i&gt;</td>"));
-        assert!(table.latex().contains("a|b\\_$<$i$>$ & 0.50 $\\pm$ 0.10 \\\\\n"));
         assert_eq!(markdown_escape("a|b\n*c*"), "a\\|b\u{fffd}\\*c\\*");
         assert_eq!(html_escape("\"'&\u{7}"), "&quot;&#39;&amp;\u{fffd}");
-    }
-
-    #[test]
-    fn a_row_is_no_argument_of_the_one_before_in_latex() {
-        let table = Table { rows: vec![vec!["[a]".into(), "1".into()]], ..table() };
-        assert!(table.latex().contains("\\midrule\n{}[a] & 1 \\\\\n"), "{}", table.latex());
-    }
-
-    #[test]
-    fn a_caption_stays_a_comment_in_latex() {
-        let table = Table { caption: "a\nb".into(), ..table() };
-        assert!(table.latex().starts_with("% a b\n% Needs"));
     }
 }

@@ -4,7 +4,9 @@ mod aggregate;
 mod cells;
 mod comparison;
 mod cost;
+mod deviations;
 mod environment;
+mod latex;
 mod ledger;
 mod markup;
 mod runs;
@@ -15,6 +17,7 @@ use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, ParquetWriter, Se
 pub use aggregate::{aggregate_frame, aggregate_table};
 pub use comparison::{comparison_frame, comparison_table};
 pub use cost::{cost_frame, cost_table};
+pub use deviations::deviation_table;
 pub use environment::{environment_frame, environment_table};
 pub use ledger::{ledger_frame, ledger_table};
 pub(crate) use markup::markdown_escape;

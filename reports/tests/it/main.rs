@@ -5,6 +5,7 @@
 mod data;
 mod efficiency;
 mod figures;
+mod latex;
 mod ledger;
 mod page;
 mod report;

@@ -1,57 +1,15 @@
 //! The page: self-contained, escaped, and sound in a real browser.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::support::{key, write_run};
-use reports::environment::{EnvironmentInfo, MazeInfo};
+use super::support::{HOSTILE, every_kind, program};
 use reports::layout;
-use reports::report::{self, Options};
-use reports::synthetic::Experiment;
 use tempfile::TempDir;
 
-const HOSTILE: &str = "<img src=x onerror=alert(1)>&\"'";
-
-/// A report with every kind of figure, on two mazes with names of trouble.
+/// The page of a report with every kind of figure, and the folder of its results.
 fn page() -> (TempDir, String) {
-    let results = TempDir::new().unwrap();
-    let environments = ["MazeA", "MazeB"].map(String::from).to_vec();
-    for (seed, curricula, variants) in [
-        (0, vec!["teach", "vds", "her-iid"], vec!["default"]),
-        (1, vec!["teach"], vec!["n=3", "n=3,target", "delta=5"]),
-    ] {
-        let experiment = Experiment {
-            environments: environments.clone(),
-            curricula: curricula.into_iter().map(String::from).collect(),
-            variants: variants.into_iter().map(String::from).collect(),
-            seeds: 5,
-            evaluations: 6,
-            interval: 4_000,
-            seed,
-            teaching: true,
-            ..Experiment::default()
-        };
-        experiment.write(results.path()).unwrap();
-    }
-    write_run(results.path(), &key("MazeA", HOSTILE, "default", 0), &[0.0, 0.5]);
-    write_run(results.path(), &key("MazeA", "teach", "</style><script>", 0), &[0.0, 0.5]);
-    let info = |id: &str| EnvironmentInfo {
-        id: id.to_owned(),
-        state: 2,
-        goal: 2,
-        action: 2,
-        horizon: 50,
-        paper_action: None,
-        note: HOSTILE.to_owned(),
-    };
-    let maze = |id: &str| MazeInfo { id: id.to_owned(), grid: ["S.", ".."].map(String::from).to_vec() };
-    let options = Options {
-        environments: ["MazeA", "MazeB"].map(info).to_vec(),
-        mazes: ["MazeA", "MazeB"].map(maze).to_vec(),
-        ..Options::default()
-    };
-    report::write(results.path(), &options).unwrap();
+    let results = every_kind();
     let html = fs::read_to_string(layout::report_dir(results.path()).join("index.html")).unwrap();
     (results, html)
 }
@@ -76,17 +34,9 @@ fn the_page_needs_nothing_else_and_escapes_names() {
     }
 }
 
-/// Debian's browser; `None` where it is not installed and nobody insists.
-fn browser() -> Option<PathBuf> {
-    let path = Path::new("/usr/bin/chromium");
-    let is_required = std::env::var_os("GOALBENCH_REQUIRE_BROWSER").is_some();
-    assert!(path.exists() || !is_required, "{} is not installed", path.display());
-    path.exists().then(|| path.to_owned())
-}
-
 #[test]
 fn a_browser_shows_every_figure_and_complains_of_nothing() {
-    let Some(browser) = browser() else { return };
+    let Some(browser) = program("chromium", "GOALBENCH_REQUIRE_BROWSER") else { return };
     let (results, html) = page();
     // A copy that says, once loaded, how many figures it shows and whether anything sticks out of the window.
     let probe = "<script>addEventListener('load', () => { const images = [...document.images];\

@@ -93,6 +93,7 @@ fn all_files_are_written_and_returned() {
         "summary.md",
         "tables/comparisons.tex",
         "tables/costs.tex",
+        "tables/deviations.tex",
         "tables/ledger.tex",
         "tables/summary.tex",
     ];

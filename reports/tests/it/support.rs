@@ -4,10 +4,17 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use reports::environment::{EnvironmentInfo, MazeInfo};
 use reports::layout;
 use reports::record::{Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
+use reports::report::{self, Options};
+use reports::synthetic::Experiment;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use tempfile::TempDir;
+
+/// A name that tries to break out of every markup.
+pub(crate) const HOSTILE: &str = "<img src=x onerror=alert(1)>&\"'";
 
 pub(crate) fn key(environment: &str, curriculum: &str, variant: &str, seed: u64) -> RunKey {
     RunKey { environment: environment.into(), curriculum: curriculum.into(), variant: variant.into(), seed }
@@ -65,4 +72,62 @@ pub(crate) fn record(run: &RunKey, eval_index: u64, success_rate: f64) -> Record
 /// A line of JSON, newline included.
 pub(crate) fn line<T: Serialize>(value: &T) -> String {
     serde_json::to_string(value).unwrap() + "\n"
+}
+
+/// Results of two mazes with names of trouble, and their report with every kind of figure and table.
+pub(crate) fn every_kind() -> TempDir {
+    let results = TempDir::new().unwrap();
+    let environments = ["MazeA", "MazeB"].map(String::from).to_vec();
+    for (seed, curricula, variants) in [
+        (0, vec!["teach", "vds", "her-iid"], vec!["default"]),
+        (1, vec!["teach"], vec!["n=3", "n=3,target", "delta=5"]),
+    ] {
+        let experiment = Experiment {
+            environments: environments.clone(),
+            curricula: curricula.into_iter().map(String::from).collect(),
+            variants: variants.into_iter().map(String::from).collect(),
+            seeds: 5,
+            evaluations: 6,
+            interval: 4_000,
+            seed,
+            teaching: true,
+            ..Experiment::default()
+        };
+        experiment.write(results.path()).unwrap();
+    }
+    for environment in &environments {
+        write_run(results.path(), &key(environment, HOSTILE, "default", 0), &[0.0, 0.5]);
+    }
+    write_run(results.path(), &key("MazeA", "teach", "</style><script>", 0), &[0.0, 0.5]);
+    let info = |id: &str| EnvironmentInfo {
+        id: id.to_owned(),
+        state: 2,
+        goal: 2,
+        action: 2,
+        horizon: 50,
+        paper_action: None,
+        note: HOSTILE.to_owned(),
+    };
+    let maze = |id: &str| MazeInfo { id: id.to_owned(), grid: ["S.", ".."].map(String::from).to_vec() };
+    let options = Options {
+        environments: ["MazeA", "MazeB"].map(info).to_vec(),
+        mazes: ["MazeA", "MazeB"].map(maze).to_vec(),
+        ..Options::default()
+    };
+    report::write(results.path(), &options).unwrap();
+    results
+}
+
+/// A program that a test needs; `None`, and a word about it, where it is not installed and the variable `required`
+/// does not insist.
+#[expect(clippy::print_stdout, reason = "says that a test was skipped")]
+pub(crate) fn program(name: &str, required: &str) -> Option<PathBuf> {
+    let path = std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())
+        .map(|folder| folder.join(name))
+        .find(|path| path.is_file());
+    assert!(path.is_some() || std::env::var_os(required).is_none(), "{name} is not installed");
+    if path.is_none() {
+        println!("skipped: {name} is not installed");
+    }
+    path
 }
