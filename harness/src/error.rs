@@ -104,6 +104,14 @@ pub enum HarnessError {
     /// Traces could not be replayed.
     #[error(transparent)]
     Traces(envs::trace::TraceError),
+    /// The machine failed a run, which may go better another time: too little memory, for one.
+    #[error("{run}: {reason}")]
+    Machine {
+        /// Run id.
+        run: String,
+        /// What it could not do.
+        reason: String,
+    },
     /// A run could not be carried out at all.
     #[error("{run}: {reason}")]
     Run {
@@ -115,6 +123,15 @@ pub enum HarnessError {
 }
 
 impl HarnessError {
+    /// Whether the same input may go well another time: the machine failed, or its disk. Damaged data stays damaged.
+    pub fn is_transient(&self) -> bool {
+        match self {
+            Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
+            Self::Machine { .. } => true,
+            _ => false,
+        }
+    }
+
     /// An unknown name, with suggestion.
     pub fn unknown<'a>(
         place: impl Into<String>,

@@ -143,7 +143,7 @@ fn a_crashed_worker_is_tried_again_and_noted() {
     assert!(parent.wait().expect("it was started here").success());
     assert_eq!(results(folder.path()), expected);
     let crashes = fs::read_to_string(teach(folder.path()).join(layout::CRASHES));
-    assert!(crashes.expect("the crash is noted").contains("signal: 9"));
+    assert!(crashes.expect("the crash is noted").contains("memory runs out (signal: 9"));
 }
 
 #[test]

@@ -108,12 +108,12 @@ pub fn main(registry: Registry) -> ExitCode {
     })
 }
 
-/// `goalbench worker`. A disk that fails it is no wrong input: it may go better another time.
+/// `goalbench worker`. Its exit code tells whether another attempt makes sense.
 fn worker(registry: &Registry, folder: &Path, tensorboard: bool) -> Exit {
     match crate::executor::worker::work(registry, folder, tensorboard) {
         Ok(Some(_)) => Ok(ExitCode::SUCCESS),
         Ok(None) => Ok(ExitCode::from(STOPPED)),
-        Err(error @ HarnessError::Io { .. }) => {
+        Err(error) if error.is_transient() => {
             complain(&format!("goalbench: {error}"));
             Ok(ExitCode::from(FAILED))
         }

@@ -9,8 +9,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use agents::AgentError;
 use reports::layout;
-use reports::record::{Manifest, Outcome, Record, Teaching};
+use reports::record::{Manifest, Outcome, Record, RunKey, Teaching};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::Lock;
@@ -55,7 +56,10 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         return Ok(Some(outcome));
     }
     agents::prepare_thread();
-    let cannot_run = |error: RunError| HarnessError::Run { run: key.to_string(), reason: error.to_string() };
+    let cannot_run = |error: RunError| match error {
+        RunError::Student(AgentError::Torch(error)) => machine_error(key, &error),
+        error => HarnessError::Run { run: key.to_string(), reason: error.to_string() },
+    };
     let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
         CheckpointError::Io { path, source } => {
             HarnessError::Io { path, action: "read this checkpoint", source }
@@ -87,6 +91,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
             return Ok(None);
         }
         Err(RunError::Recording(source)) => return Err(recording(source)),
+        Err(RunError::Student(AgentError::Torch(error))) => return Err(machine_error(key, &error)),
         Err(error) => Outcome::Failed { step: trainer.step(), reason: error.to_string() },
     };
     let Reporter { recorder, mut out, .. } = reporter;
@@ -94,6 +99,11 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
     checkpoint::clear_replay(folder).map_err(recording)?;
     send(&mut out, &Event::Ended { outcome: outcome.clone() }).map_err(recording)?;
     Ok(Some(outcome))
+}
+
+/// What libtorch refuses to shapes that were checked before is memory.
+fn machine_error(run: &RunKey, error: &impl std::fmt::Display) -> HarnessError {
+    HarnessError::Machine { run: run.to_string(), reason: error.to_string() }
 }
 
 fn recording_error(folder: &Path, source: std::io::Error) -> HarnessError {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, Stdio};
 
 use reports::layout;
+use reports::record::RunKey;
 use rustix::process::Signal;
 
 /// The log of one run's workers, with the place at which one of them begins.
@@ -48,14 +49,19 @@ impl Complaints {
     }
 }
 
-/// How a worker ended: the line in which it said why (its own message, what follows "panicked at", or else its first) and
-/// its exit status.
-pub(super) fn describe(status: ExitStatus, complaints: &str) -> String {
+/// How a worker of `run` ended: the line in which it said why (its own message, what follows "panicked at", or else its
+/// first) and its exit status.
+pub(super) fn describe(run: &RunKey, status: ExitStatus, complaints: &str) -> String {
     let mut lines = complaints.lines().map(str::trim).filter(|line| !line.is_empty());
     let own = lines.clone().find(|line| line.starts_with("goalbench: "));
     let panic = lines.clone().skip_while(|line| !line.contains("panicked at")).nth(1);
     match own.or(panic).or_else(|| lines.next()) {
-        Some(line) => format!("{line} ({status})"),
+        Some(line) => {
+            // Whoever shows it says which program and which run.
+            let line = line.strip_prefix("goalbench: ").unwrap_or(line);
+            let line = line.strip_prefix(&format!("{run}: ")).unwrap_or(line);
+            format!("{line} ({status})")
+        }
         None if status.signal() == Some(Signal::KILL.as_raw()) => {
             format!("killed from outside, as the system does when memory runs out ({status})")
         }

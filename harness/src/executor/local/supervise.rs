@@ -115,9 +115,9 @@ impl Supervisor<'_> {
         match (last, status) {
             (Some(ending), _) => Attempt::Over(ending),
             (None, Ok(status)) if status.code() == Some(REFUSED) => {
-                Attempt::Over(Ending::Crashed { reason: describe(status, &complaints) })
+                Attempt::Over(Ending::Crashed { reason: describe(&job.manifest.run, status, &complaints) })
             }
-            (None, Ok(status)) => Attempt::Crash(describe(status, &complaints)),
+            (None, Ok(status)) => Attempt::Crash(describe(&job.manifest.run, status, &complaints)),
             (None, Err(error)) => Attempt::Crash(format!("cannot wait for the worker: {error}")),
         }
     }
