@@ -15,7 +15,7 @@ pub enum StateSource {
     /// The start state of the coming episode.
     #[default]
     Initial,
-    /// States drawn uniformly from the replay buffer.
+    /// States drawn uniformly from the replay buffer. The price is a pass over the pool for every one of them.
     Replay,
 }
 

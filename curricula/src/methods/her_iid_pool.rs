@@ -3,6 +3,9 @@
 //!
 //! # Deviations and choices
 //! - No paper has it; TEACH compares with HER-IID only, which sees fresh goals throughout.
+//! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for. Those of
+//!   the pool keep it when they are set at another start, here as for every teacher of the pool. The rotation tasks ask
+//!   for no place, but the student sees it in the goal; in the others it differs by the spread of the starts.
 
 use serde::{Deserialize, Serialize};
 

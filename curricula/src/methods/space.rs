@@ -243,6 +243,8 @@ impl Curriculum for Space {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -275,5 +277,25 @@ mod tests {
     #[test]
     fn equals_keep_the_pools_order() {
         assert_eq!(Order::Signed.rank(&[-2.0; 4], &[-3.0; 4]), [0, 1, 2, 3]);
+    }
+
+    proptest! {
+        #[test]
+        fn the_best_score_comes_first_wherever_it_stands(
+            values in prop::collection::vec((-50.0..0.0f64, -50.0..-0.1f64), 1..20),
+            shift in 0..20usize,
+        ) {
+            let mut turned = values.clone();
+            turned.rotate_left(shift % values.len());
+            for order in [Order::Signed, Order::Absolute, Order::Relative] {
+                let ranked = |pairs: &[(f64, f64)]| -> Vec<f64> {
+                    let (values, last): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
+                    order.rank(&values, &last).into_iter().map(|i| order.score(values[i], last[i])).collect()
+                };
+                let scores = ranked(&values);
+                prop_assert!(scores.is_sorted_by(|a, b| a >= b));
+                prop_assert_eq!(scores, ranked(&turned));
+            }
+        }
     }
 }

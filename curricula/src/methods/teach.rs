@@ -176,12 +176,10 @@ impl Curriculum for Teach {
         for evaluation in state.window.iter() {
             snapshot::require_goals(evaluation.len(), self.pool.len())?;
         }
-        if state.window.capacity() != self.config.window || state.window.len() > self.config.window {
-            return Err(snapshot::refuse(format!(
-                "written with a window of {}, not {}",
-                state.window.capacity(),
-                self.config.window
-            )));
+        let (written, held, own) = (state.window.capacity(), state.window.len(), self.config.window);
+        if written != own || held > own {
+            let reason = format!("{held} evaluations in a window of {written}; its config says {own}");
+            return Err(snapshot::refuse(reason));
         }
         self.state = state;
         Ok(())

@@ -146,6 +146,28 @@ fn foreign_and_truncated_state_is_refused() {
 }
 
 #[test]
+fn state_of_another_pool_is_refused() {
+    for (entry, _, mut taught) in classes().filter(|(entry, ..)| entry.uses_pool) {
+        proposals(&mut taught, 3);
+        let bytes = taught.teacher.save().unwrap();
+        if !bytes.is_empty() {
+            let mut other = Class::with(entry, "", GOALS + 1, restless).unwrap();
+            let error = other.teacher.load(&bytes).unwrap_err().to_string();
+            assert!(error.contains("written for 12 goals; the pool has 13"), "{}: {error}", entry.id);
+        }
+    }
+}
+
+#[test]
+fn of_a_pool_of_one_goal_that_one_is_chosen() {
+    for entry in CURRICULA.iter().filter(|entry| entry.uses_pool) {
+        let mut class = Class::with(entry, "", 1, restless).unwrap();
+        assert_eq!(proposals(&mut class, 5), vec![Proposal::Pool(0); 10], "{}", entry.id);
+        assert_eq!(class.weights(), [1.0], "{}", entry.id);
+    }
+}
+
+#[test]
 fn weights_are_a_distribution_over_the_pool() {
     for (entry, _, mut class) in classes() {
         for _ in 0..6 {

@@ -91,6 +91,16 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
 }
 
 #[test]
+fn a_config_is_checked_where_a_teacher_is_built_too() {
+    let setting = Class::new("teach", "", 4, |_, _| 0.0).setting;
+    for (id, written) in [("teach", "window = 1"), ("vds", "members = 1"), ("space", "kapa = 2")] {
+        let entry = CURRICULA.iter().find(|entry| entry.id == id).unwrap();
+        let built = (entry.build)(&written.parse().unwrap(), &setting);
+        assert!(matches!(built.err(), Some(CurriculumError::Config { .. })), "{id}: {written}");
+    }
+}
+
+#[test]
 fn a_pool_method_needs_a_pool() {
     for entry in CURRICULA {
         let result = Class::with(entry, "", 0, |_, _| 0.0);

@@ -1,5 +1,7 @@
 //! SPaCE's set grows exactly when its rule says so.
 
+use curricula::{CurriculumError, Distribution, PoolState, snapshot};
+
 use crate::support::Class;
 
 /// All goals move together, by more than a tenth at steps 1 to 3 and by less from there on.
@@ -115,4 +117,23 @@ fn a_mean_is_compared_with_the_mean_of_the_set_before() {
     assert_eq!(class.statistic("set_confidence"), -40.0);
     class.cycles(1);
     assert_eq!(class.statistic("set_size"), 2.0);
+}
+
+#[test]
+fn a_state_whose_set_or_values_do_not_fit_the_pool_is_refused() {
+    let load = |set: Vec<usize>, last: Option<(Vec<f64>, f64)>| {
+        let common = PoolState::new(Distribution::uniform(3));
+        let bytes = snapshot::save("space", 2, &(common, set, 5usize, last));
+        Class::new("space", "", 3, levelling_off).teacher.load(&bytes)
+    };
+    assert!(load(vec![2, 0], Some((vec![-1.0; 3], -1.0))).is_ok());
+    for (set, last) in [
+        (vec![], None),
+        (vec![0, 3], None),
+        (vec![0], Some((vec![-1.0; 2], -1.0))),
+        (vec![0], Some((vec![-1.0, f64::NAN, -1.0], -1.0))),
+    ] {
+        let result = load(set.clone(), last.clone());
+        assert!(matches!(result, Err(CurriculumError::State { .. })), "{set:?}, {last:?}: {result:?}");
+    }
 }

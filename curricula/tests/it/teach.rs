@@ -1,6 +1,6 @@
 //! TEACH samples what moves.
 
-use curricula::CurriculumError;
+use curricula::{CurriculumError, Distribution, PoolState, snapshot};
 
 use crate::support::{Class, close};
 
@@ -131,15 +131,22 @@ fn argmax_of_standstill_is_a_uniform_draw() {
 }
 
 #[test]
-fn bytes_of_another_window_or_pool_are_refused() {
-    let mut class = Class::new("teach", "window = 3", 4, swinging);
-    class.cycles(3);
-    let bytes = class.teacher.save().unwrap();
-    let refusal = |config: &str, goals: usize| {
-        let error = Class::new("teach", config, goals, swinging).teacher.load(&bytes).unwrap_err();
-        assert!(matches!(error, CurriculumError::State { .. }));
-        error.to_string()
+fn a_state_that_contradicts_itself_or_its_config_is_refused() {
+    let load = |config: &str, evaluations: Vec<Vec<f64>>| {
+        let common = PoolState::new(Distribution::uniform(4));
+        // Episodes, whether an evaluation is due, and the window's capacity and content.
+        let bytes = snapshot::save("teach", 2, &(7u64, false, (3usize, evaluations), common));
+        Class::new("teach", config, 4, swinging).teacher.load(&bytes)
     };
-    assert!(refusal("window = 4", 4).contains("window of 3, not 4"));
-    assert!(refusal("window = 3", 5).contains("written for 4 goals; the pool has 5"));
+    let refusal = |config: &str, evaluations| match load(config, evaluations) {
+        Err(CurriculumError::State { reason }) => reason,
+        other => panic!("{other:?}"),
+    };
+    assert!(load("window = 3", vec![vec![-1.0; 4]; 3]).is_ok());
+    assert!(
+        refusal("window = 4", vec![vec![-1.0; 4]; 3])
+            .contains("3 evaluations in a window of 3; its config says 4")
+    );
+    assert!(refusal("window = 3", vec![vec![-1.0; 4]; 4]).contains("4 evaluations in a window of 3"));
+    assert!(refusal("window = 3", vec![vec![-1.0; 5]]).contains("written for 5 goals; the pool has 4"));
 }

@@ -104,7 +104,8 @@ fn disagreement_is_that_on_fresh_goals_from_the_start_at_hand_under_the_online_p
     let mut class = Class::on("FetchPush", entry("vds"), "candidates = 40", 1, |_, _| 0.0).unwrap();
     class.learn();
     class.propose_goal();
-    let (mut twin, mut rng) = (ensemble(&class, ENSEMBLE), class.rng.clone());
+    let (mut twin, mut rng, loss) =
+        (ensemble(&class, ENSEMBLE), class.rng.clone(), class.statistic("ensemble_loss"));
     let proposed = class.propose_goal();
 
     let mut goals = Goals::new(3);
@@ -126,6 +127,7 @@ fn disagreement_is_that_on_fresh_goals_from_the_start_at_hand_under_the_online_p
     assert_eq!(class.statistic("disagreement_max"), disagreement.into_iter().fold(0.0, f64::max));
     assert_eq!(class.statistic("entropy"), curriculum.entropy());
     assert_eq!(class.statistic("effective_goals"), curriculum.effective_goals());
+    assert_eq!(class.statistic("ensemble_loss"), loss, "that of the last cycle stands");
 }
 
 #[test]
