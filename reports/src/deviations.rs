@@ -54,7 +54,7 @@ pub static DEVIATIONS: &[Deviation] = &[
         "HER-IID-pool draws uniformly from the same fixed pool: it separates choosing well from choosing from a pool",
     ),
     row(
-        "Pool goals of HandManipulate*",
+        "Pool goals of the HandManipulate tasks",
         "does not say that these goals depend on the start: they hold the place where the object has settled",
         "goals of the pool keep the place of the start they were drawn for, also where they are set at another; fresh \
          goals (HER-IID, VDS) are of the start at hand",
