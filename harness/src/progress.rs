@@ -1,6 +1,7 @@
-//! What a user sees while runs go on: bars on a terminal, plain lines elsewhere.
+//! What a user sees while runs go on: bars on a terminal, plain lines elsewhere, JSON lines for scripts.
 
 mod bars;
+mod json;
 mod lines;
 
 use std::io::IsTerminal;
@@ -33,6 +34,11 @@ pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Display> {
 /// Plain lines, whatever standard error is.
 pub fn lines(jobs: &[Job], parallel: usize) -> Box<dyn Display> {
     Box::new(lines::Lines::new(jobs, parallel))
+}
+
+/// JSON lines, one per event, each handed to `out`.
+pub fn json(out: impl Fn(&str) + Sync + 'static) -> Box<dyn Display> {
+    Box::new(json::Json { out })
 }
 
 /// `1h 05m`, `3m 20s`, `7s`.

@@ -74,6 +74,25 @@ fn finished_runs_are_kept_and_an_unfinished_one_ends_with_the_same_bytes() {
 }
 
 #[test]
+fn progress_can_be_read_by_scripts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = support::goalbench(&support::toy_args(folder.path(), &["--json", "--seeds", "0"]));
+    let lines: Vec<serde_json::Value> = support::stdout(&output)
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("every line is JSON"))
+        .collect();
+    for curriculum in ["teach", "her-iid"] {
+        let events: Vec<_> = lines.iter().filter(|line| line["run"]["curriculum"] == curriculum).collect();
+        assert_eq!(events.first().expect("events")["event"], "started");
+        let last = events.last().expect("events");
+        assert_eq!((&last["event"], &last["steps"]), (&"ended".into(), &400.into()), "{last}");
+        assert_eq!(last["outcome"]["step"], 400, "{last}");
+        let evaluated = events.iter().filter(|event| event["event"] == "evaluated").count();
+        assert_eq!(evaluated, parsed(&records(folder.path(), curriculum, 0)).len());
+    }
+}
+
+#[test]
 fn records_hold_nothing_of_the_clock_and_timings_are_apart() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     toy(folder.path(), &["--seeds", "0", "--curriculum", "teach"]);

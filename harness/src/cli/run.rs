@@ -56,6 +56,9 @@ pub(super) struct Args {
     /// How often a run whose worker crashed is begun again from its checkpoint
     #[arg(long, value_name = "N", default_value_t = 2)]
     retries: u32,
+    /// Print progress as JSON lines on standard output, for scripts
+    #[arg(long)]
+    json: bool,
     /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
     #[arg(long)]
     tensorboard: bool,
@@ -116,6 +119,10 @@ fn check_executor(args: &Args) -> Result<(), HarnessError> {
         (Executor::Local, Some((option, _))) => {
             Err(HarnessError::Argument { option, reason: "is for job arrays; add --executor slurm".into() })
         }
+        (Executor::Slurm, _) if args.json => {
+            let reason = "tells of runs on this machine; for job arrays use goalbench status --json".into();
+            Err(HarnessError::Argument { option: "--json", reason })
+        }
         (Executor::Slurm, _) if args.jobs.is_some() => {
             let reason = "is for runs on this machine; with --executor slurm use --at-once".into();
             Err(HarnessError::Argument { option: "--jobs", reason })
@@ -150,7 +157,11 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     if args.executor == Executor::Slurm {
         return submit(&jobs, &results, &plan.name, args);
     }
-    let display = progress::for_stderr(&jobs, parallel);
+    let display = if args.json {
+        progress::json(|line| print(&format!("{line}\n")))
+    } else {
+        progress::for_stderr(&jobs, parallel)
+    };
     let stopper = Stopper::listen(|| {
         complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
     })
@@ -158,7 +169,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let conduct = Conduct { parallel, retries: args.retries, tensorboard: args.tensorboard };
     let endings = local::execute(&jobs, conduct, &stopper, display.as_ref())?;
     drop(display);
-    summarise(&jobs, &endings, &results)
+    summarise(&jobs, &endings, &results, args.json)
 }
 
 fn submit(jobs: &[Job], results: &Path, name: &str, args: &Args) -> Exit {
@@ -187,7 +198,7 @@ fn submit(jobs: &[Job], results: &Path, name: &str, args: &Args) -> Exit {
 pub(super) fn task(list: &Path, index: usize) -> Exit {
     let (jobs, endings) = slurm::task(list, index)?;
     let results = list.ancestors().nth(3).unwrap_or(list);
-    summarise(&jobs, &endings, results)
+    summarise(&jobs, &endings, results, false)
 }
 
 fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> {
@@ -224,8 +235,8 @@ fn folder_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect()
 }
 
-/// Says what came out and gives the exit code.
-fn summarise(jobs: &[Job], endings: &[Ending], results: &Path) -> Exit {
+/// Says what came out and gives the exit code. With `json` the events have told it before.
+fn summarise(jobs: &[Job], endings: &[Ending], results: &Path, json: bool) -> Exit {
     let (mut failed, mut stopped) = (0, 0);
     for (job, ending) in jobs.iter().zip(endings) {
         let run = &job.manifest.run;
@@ -253,7 +264,7 @@ fn summarise(jobs: &[Job], endings: &[Ending], results: &Path) -> Exit {
             "goalbench: {stopped} of {total} runs stopped; the same command goes on with them"
         ));
     }
-    if failed + stopped == 0 {
+    if failed + stopped == 0 && !json {
         print(&format!("{total} runs finished; records in {place}; next: goalbench report {place}\n"));
     }
     Ok(match (failed, stopped) {

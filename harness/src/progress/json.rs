@@ -1,0 +1,43 @@
+//! JSON lines for scripts.
+
+use serde_json::{Value, json};
+
+use super::Display;
+use crate::executor::event::Event;
+use crate::executor::{Ending, Job};
+
+/// Hands every line, without its newline, to `out`.
+pub(super) struct Json<F: Fn(&str) + Sync> {
+    pub(super) out: F,
+}
+
+impl<F: Fn(&str) + Sync> Json<F> {
+    fn tell(&self, job: &Job, mut event: Value) {
+        event["run"] = json!(job.manifest.run);
+        event["steps"] = json!(job.steps);
+        (self.out)(&event.to_string());
+    }
+}
+
+impl<F: Fn(&str) + Sync> Display for Json<F> {
+    fn started(&self, job: &Job) {
+        self.tell(job, json!({ "event": "started" }));
+    }
+
+    fn event(&self, job: &Job, event: &Event) {
+        self.tell(job, json!(event));
+    }
+
+    fn ended(&self, job: &Job, ending: &Ending) {
+        let event = match ending {
+            Ending::Ended(outcome) => json!(Event::Ended { outcome: outcome.clone() }),
+            Ending::Stopped => json!({ "event": "stopped" }),
+            Ending::Crashed { reason } => json!({ "event": "crashed", "reason": reason }),
+        };
+        self.tell(job, event);
+    }
+
+    fn note(&self, text: &str) {
+        (self.out)(&json!({ "event": "note", "text": text }).to_string());
+    }
+}

@@ -1,0 +1,182 @@
+//! Curricula with one seed are compared on the same ground: initial weights, goal pool, start states, evaluation episodes.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::time::Duration;
+
+use envs::rng::{Purpose, Rng, stream};
+use envs::{EnvError, Environment, Family, GoalEnv, Observation, Options, Spec};
+use goalbench::Registry;
+use goalbench::config::{self, layer::Layer};
+use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
+use reports::record::{Record, RunKey, Teaching};
+
+const SEED: u64 = 11;
+
+/// An episode as the environment saw it.
+#[derive(Clone, Debug, PartialEq)]
+struct Episode {
+    /// Seed of the stream that it was drawn from.
+    stream: [u8; 32],
+    start: Vec<f64>,
+    /// As drawn; teachers replace it later.
+    goal: Vec<f64>,
+    /// Every achieved goal after the start.
+    path: Vec<Vec<f64>>,
+}
+
+thread_local! {
+    static EPISODES: RefCell<Vec<Episode>> = const { RefCell::new(Vec::new()) };
+}
+
+/// The point task, noting every episode.
+struct Noted {
+    point: Box<dyn GoalEnv>,
+    spec: Spec,
+    episode: usize,
+}
+
+/// An [`envs::registry::Constructor`].
+fn make(spec: Spec, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
+    Ok(Box::new(Noted { point: envs::make("Point", options)?, spec, episode: 0 }))
+}
+
+impl GoalEnv for Noted {
+    fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    fn reset(&mut self, rng: &mut Rng) -> Result<(), EnvError> {
+        self.point.reset(rng)?;
+        let start = self.point.observation().state.clone();
+        let goal = self.point.goal().to_vec();
+        EPISODES.with_borrow_mut(|episodes| {
+            self.episode = episodes.len();
+            episodes.push(Episode { stream: rng.get_seed(), start, goal, path: Vec::new() });
+        });
+        Ok(())
+    }
+
+    fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError> {
+        self.point.set_goal(goal)
+    }
+
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        self.point.sample_goal(rng, goal);
+    }
+
+    fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
+        self.point.step(action)?;
+        let achieved = self.point.observation().achieved.clone();
+        EPISODES.with_borrow_mut(|episodes| episodes[self.episode].path.push(achieved));
+        Ok(())
+    }
+
+    fn observation(&self) -> &Observation {
+        self.point.observation()
+    }
+
+    fn goal(&self) -> &[f64] {
+        self.point.goal()
+    }
+
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.point.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.point.success(achieved, goal)
+    }
+}
+
+/// Keeps nothing.
+struct Nobody;
+
+impl Watcher for Nobody {
+    fn spent(&mut self, _: Phase, _: Duration) {}
+
+    fn record(&mut self, _: &Record, _: &Teaching) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    fn cycle(&mut self, _: u64, _: bool) -> std::io::Result<Wish> {
+        Ok(Wish::GoOn)
+    }
+
+    fn replay_folder(&self) -> &Path {
+        Path::new("")
+    }
+
+    fn save(&mut self, _: TrainerState) -> std::io::Result<()> {
+        Err(std::io::Error::other("nobody wished for a checkpoint"))
+    }
+}
+
+/// Steps of a run: ten cycles of two episodes.
+const STEPS: u64 = 400;
+/// Episodes per evaluation.
+const EPISODES_EACH: usize = 3;
+
+/// Every episode of a small run with `curriculum`.
+fn episodes(curriculum: &str) -> Vec<Episode> {
+    agents::prepare_thread();
+    let spec = Spec { id: "Noted", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
+    let registry =
+        Registry::builtin().with_environment(Environment::new(spec.clone(), "A noted point", make));
+    let method = *registry.curriculum(curriculum).expect("a curriculum of the table");
+    let settings = [
+        "student.batch=16",
+        "student.width=16",
+        "student.updates_per_cycle=4",
+        "budget.steps=400",
+        "evaluation.every=80",
+        "evaluation.episodes=3",
+        "pool.size=20",
+    ];
+    let layers = settings.map(|set| Layer::from_set(set).expect("an assignment"));
+    let config = config::resolve(&registry, &spec, &method, &layers).expect("a valid config");
+    let key = RunKey {
+        environment: spec.id.into(),
+        curriculum: curriculum.into(),
+        variant: "default".into(),
+        seed: SEED,
+    };
+    EPISODES.with_borrow_mut(Vec::clear);
+    Trainer::new(&registry, key, config).expect("a run").run(&mut Nobody).expect("it ends well");
+    EPISODES.take()
+}
+
+/// Those drawn from the stream of `purpose`.
+fn of(episodes: &[Episode], purpose: Purpose) -> Vec<Episode> {
+    let seed = stream(SEED, purpose).get_seed();
+    episodes.iter().filter(|episode| episode.stream == seed).cloned().collect()
+}
+
+#[test]
+fn two_curricula_share_everything_that_is_not_theirs() {
+    let drawn = |episode: &Episode| (episode.start.clone(), episode.goal.clone());
+    let (teach, pool) = (episodes("teach"), episodes("her-iid-pool"));
+
+    for index in 0..=STEPS / 80 {
+        let [a, b] = [&teach, &pool].map(|all| of(all, Purpose::Evaluation(index)));
+        assert_eq!(a.len(), EPISODES_EACH, "evaluation {index}");
+        assert_eq!(
+            a.iter().map(drawn).collect::<Vec<_>>(),
+            b.iter().map(drawn).collect::<Vec<_>>(),
+            "evaluation {index}"
+        );
+        // The untrained students act alike, to the last bit: they have the same weights. Trained ones do not.
+        assert_eq!(a.iter().map(|e| &e.path).eq(b.iter().map(|e| &e.path)), index == 0, "evaluation {index}");
+    }
+    let evaluation = |index| of(&teach, Purpose::Evaluation(index)).iter().map(drawn).collect::<Vec<_>>();
+    assert_ne!(evaluation(0), evaluation(1), "every evaluation has episodes of its own");
+
+    let [a, b] = [&teach, &pool].map(|all| of(all, Purpose::Pool).iter().map(drawn).collect::<Vec<_>>());
+    assert!(a.len() >= 20 && a == b, "the pools of candidate goals");
+
+    let [a, b] =
+        [&teach, &pool].map(|all| of(all, Purpose::Environment).iter().map(drawn).collect::<Vec<_>>());
+    assert!(a.len() == 20 && a == b, "starts of training episodes, and the goals that teachers replace");
+}
