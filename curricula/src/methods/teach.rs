@@ -3,7 +3,7 @@
 //!
 //! While the student learns to reach a goal, the critic's value of that goal changes; for goals it has mastered
 //! and goals out of its reach the value stands still. So the teacher evaluates the policy confidence C(g) of
-//! every goal of the pool now and then (Eq. 7, [`Probe`]), remembers the last n evaluations ([`Window`]), takes
+//! every goal of the pool now and then (Eq. 7, [`Probe`](crate::Probe)), remembers the last n evaluations ([`Window`]), takes
 //! each goal's variance over time δ_i (Eq. 8-9), and draws goals from the curriculum K(g_i) = δ_i / Σδ
 //! (Eq. 10-11, [`Distribution::proportional`]).
 //!
