@@ -1,7 +1,7 @@
 //! Makes up results and reports them: `cargo run --release -p reports --example synthetic_report -- FOLDER`.
 //!
-//! The folder gets results of the size of the whole paper, ablations included, with their report; what it took is
-//! printed.
+//! The folder gets results of the size of the whole paper, ablations included, with their report; the seconds and the
+//! memory that the report took are printed.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,7 +24,9 @@ fn main() -> ExitCode {
         Ok(written) => {
             written.files.iter().for_each(|file| println!("{}", file.display()));
             let seconds = start.elapsed().as_secs_f64();
-            println!("{} runs, {} evaluations: {seconds:.1} s", written.runs, written.evaluations);
+            let memory =
+                peak_memory().map_or_else(String::new, |kib| format!(", at most {} MiB", kib / 1024));
+            println!("{} runs, {} evaluations: {seconds:.1} s{memory}", written.runs, written.evaluations);
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -32,6 +34,13 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The most memory that this process ever had resident, in KiB, where the system tells (Linux).
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 /// Reports on made-up mazes without inner walls.

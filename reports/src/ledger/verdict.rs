@@ -111,6 +111,9 @@ mod tests {
         assert_eq!(equivalent(&[NEAR_ZERO, WIDE]), Undecided);
         assert_eq!(equivalent(&[NEAR_ZERO, None]), Undecided);
         assert_eq!(equivalent(&[]), Undecided);
+        assert_eq!(equivalent(&[ABOVE_MARGIN]), Refuted);
+        assert_eq!(equivalent(&[Some((-0.3, 0.05))]), Undecided);
+        assert_eq!(equivalent(&[Some((-0.05, 0.3))]), Undecided);
         assert_eq!(some_above(&[BELOW, SMALL_GAIN]), Confirmed);
         assert_eq!(some_above(&[BELOW, BELOW]), Refuted);
         assert_eq!(some_above(&[BELOW, None]), Undecided);

@@ -8,9 +8,10 @@ use super::files::File;
 use crate::ablation::AXES;
 use crate::environment::EnvironmentInfo;
 use crate::error::ReportError;
+use crate::group::GroupKey;
 use crate::store::Store;
 use crate::table::{self, Table};
-use crate::{dictionary, missing};
+use crate::{dictionary, methods, missing};
 
 /// All tables to read; `None` where there is nothing to say.
 pub(super) struct Tables {
@@ -119,9 +120,15 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
         }
     }
     for maze in &options.mazes {
-        let is_run = groups.environments().contains(&maze.id.as_str());
-        if is_run && analysis.heat.iter().all(|heat| heat.maze.id != maze.id) {
-            lacking.push(format!("{}: no record of what teachers did, so no heat maps", maze.id));
+        let drawn =
+            |key: &GroupKey| analysis.heat.iter().flat_map(|heat| &heat.maps).any(|map| map.key == *key);
+        for group in groups.compared_groups() {
+            let key = &group.key;
+            if key.environment == maze.id && !drawn(key) {
+                let name = format!("{}{}", methods::title(&key.curriculum), key.detail());
+                lacking
+                    .push(format!("{}: {name}: no record of what the teacher did, so no heat map", maze.id));
+            }
         }
     }
     let silent = analysis.rows.iter().filter(|row| {

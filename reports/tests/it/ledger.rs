@@ -74,6 +74,10 @@ fn clear_results_are_judged() {
     let vds = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
     assert!((vds.difference.unwrap() - 0.3).abs() < 1e-9);
     assert_eq!((vds.pairs, vds.ahead, vds.environments.len()), (14, 2, 2));
+    let area = &entries.iter().find(|entry| entry.id == "area-vds").unwrap();
+    assert!((area.effect.difference.unwrap() - 0.15).abs() < 1e-9, "half of it: from 0 in a straight line");
+    // Four baselines share a miss of 0.05.
+    assert!((area.confidence - 0.9875).abs() < 1e-12);
     let interplay = entries.iter().find(|entry| entry.id == "interplay").unwrap();
     assert!((interplay.effect.difference.unwrap() + 0.5).abs() < 1e-9, "the largest in size");
     // Two intervals share a miss of 0.05.
@@ -118,6 +122,28 @@ fn few_seeds_decide_nothing() {
     assert_eq!(entries.len(), 11);
     assert!(entries.iter().all(|entry| entry.verdict == Verdict::Undecided));
     assert_eq!(entries[0].evidence, "no environment with 5 seeds of both");
+}
+
+#[test]
+fn environments_count_alike_whatever_their_seeds() {
+    let results = TempDir::new().unwrap();
+    // Ahead by 0.6 with 7 seeds and behind by 0.2 with 5; a third environment has too few.
+    for (environment, teach, vds, seeds) in [("A", 0.8, 0.2, 7), ("B", 0.4, 0.6, 5), ("C", 1.0, 0.0, 4)] {
+        for seed in 0..seeds {
+            write_configured(
+                results.path(),
+                &key(environment, "teach", "default", seed),
+                &[teach],
+                json!({}),
+            );
+            write_configured(results.path(), &key(environment, "vds", "default", seed), &[vds], json!({}));
+        }
+    }
+    let entries = entries(results.path());
+    let effect = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
+    assert_eq!(effect.environments, ["A", "B"]);
+    assert_eq!((effect.pairs, effect.ahead), (12, 1));
+    assert!((effect.difference.unwrap() - 0.2).abs() < 1e-9, "(0.6 - 0.2) / 2: {effect:?}");
 }
 
 #[test]

@@ -69,10 +69,16 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let heat = layout::report_dir(results.path()).join("figures/heat-M.svg");
     let without = report(results.path());
     assert!(!heat.exists());
-    assert!(without.missing.contains(&"M: no record of what teachers did, so no heat maps".to_owned()));
+    let lacks = |written: &report::Written, method: &str| {
+        let text = format!("M: {method}: no record of what the teacher did, so no heat map");
+        written.missing.contains(&text)
+    };
+    assert!(lacks(&without, "TEACH"));
+    write_run(results.path(), &key("M", "vds", "default", 0), &[0.0, 0.5]);
     fs::write(folder.join(layout::TEACHING), line(&teaching(1)) + "damaged\n").unwrap();
     let with = report(results.path());
     assert!(heat.is_file());
+    assert!(lacks(&with, "VDS") && !lacks(&with, "TEACH"), "{:?}", with.missing);
     assert_eq!(with.problems.len(), 1);
     assert_eq!(with.problems[0].line, Some(2));
 }
