@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 
 use crate::error::AgentError;
-use crate::runtime::libtorch_folder;
+use crate::runtime::{libtorch_folder, libtorch_version};
 
 /// A kind of device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,8 +47,10 @@ fn load_cuda() -> Result<(), String> {
     let library: PathBuf = folder.join("libtorch_cuda.so");
     if !library.is_file() {
         return Err(format!(
-            "{} is missing; point LD_LIBRARY_PATH at the lib folder of a CUDA build of the same libtorch",
-            library.display()
+            "{} is missing; point LD_LIBRARY_PATH at the lib folder of a CUDA build of libtorch {}, such as torch/lib in a \
+             Python install of it",
+            library.display(),
+            libtorch_version()
         ));
     }
     open_globally(&library).map_err(|error| format!("{} does not load: {error}", library.display()))?;

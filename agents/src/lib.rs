@@ -21,6 +21,7 @@ mod products;
 pub mod registry;
 mod replay;
 mod runtime;
+mod seal;
 mod value;
 
 pub use agent::{Agent, Critic, Episode, Mode, Network};
@@ -37,3 +38,4 @@ pub use products::Products;
 pub use registry::make;
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};
+pub use seal::Seal;

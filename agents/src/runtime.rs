@@ -22,7 +22,7 @@ pub fn versions() -> Vec<(&'static str, String)> {
 
 /// The version of the loaded libtorch, as in `2.11.0`.
 #[allow(unsafe_code, reason = "libtorch's C interface has no safe wrapper for its version")]
-fn libtorch_version() -> String {
+pub(crate) fn libtorch_version() -> String {
     unsafe extern "C" {
         /// Major, minor and patch in the three highest bytes.
         fn aoti_torch_abi_version() -> u64;

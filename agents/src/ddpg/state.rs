@@ -1,6 +1,6 @@
 //! Saving and loading a student, its replay buffer apart.
 //!
-//! The bytes are a header (magic, version, CRC-32 of the rest) and the state. Hyper-parameters are not part of it: the
+//! The bytes are sealed with magic, version and CRC-32. Hyper-parameters are not part of it: the
 //! caller knows them, and parameters of another shape are refused.
 
 use serde::{Deserialize, Serialize};
@@ -9,10 +9,9 @@ use super::Ddpg;
 use crate::error::AgentError;
 use crate::networks::SavedStack;
 use crate::normalizer::Moments;
+use crate::seal::Seal;
 
-const MAGIC: [u8; 4] = *b"GBDH";
-const VERSION: u32 = 1;
-const HEADER: usize = 12;
+const SEAL: Seal = Seal { magic: *b"GBDH", version: 1, what: "a student's state" };
 
 /// Everything that a student is beside its config and its replay buffer.
 #[derive(Serialize, Deserialize)]
@@ -43,13 +42,7 @@ pub(super) fn encode(student: &Ddpg) -> Result<Vec<u8>, AgentError> {
         noise: student.noise.process().to_vec(),
         episodes: student.replay.stored(),
     };
-    let payload = postcard::to_stdvec(&saved).expect("plain data in memory always serialises");
-    let mut bytes = Vec::with_capacity(HEADER + payload.len());
-    bytes.extend_from_slice(&MAGIC);
-    bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&crc32fast::hash(&payload).to_le_bytes());
-    bytes.extend_from_slice(&payload);
-    Ok(bytes)
+    Ok(SEAL.close(&saved))
 }
 
 /// Makes `student` what [`encode`] read, the replay buffer apart. Gives the number of episodes that had come into that.
@@ -57,7 +50,7 @@ pub(super) fn encode(student: &Ddpg) -> Result<Vec<u8>, AgentError> {
 /// # Errors
 /// [`AgentError::State`] if `state` is damaged or of another student.
 pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError> {
-    let saved = parse(state).map_err(|reason| AgentError::State { reason })?;
+    let saved: Saved = SEAL.open(state).map_err(|reason| AgentError::State { reason })?;
     if saved.environment != student.spec.id {
         let reason = format!("of a student of {}, not of {}", saved.environment, student.spec.id);
         return Err(AgentError::State { reason });
@@ -72,25 +65,6 @@ pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError
     student.normalizers.goal.set_moments(saved.goal_moments)?;
     student.noise.set_process(&saved.noise);
     Ok(saved.episodes)
-}
-
-fn parse(bytes: &[u8]) -> Result<Saved, String> {
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| [b[0], b[1], b[2], b[3]]);
-    let (Some(magic), Some(version), Some(crc)) = (word(0), word(4), word(8)) else {
-        return Err(format!("only {} bytes long", bytes.len()));
-    };
-    if magic != MAGIC {
-        return Err("not a student's state".into());
-    }
-    let version = u32::from_le_bytes(version);
-    if version != VERSION {
-        return Err(format!("version {version}; this program reads version {VERSION}"));
-    }
-    let payload = &bytes[HEADER..];
-    if crc32fast::hash(payload) != u32::from_le_bytes(crc) {
-        return Err("its checksum does not fit: it was cut off or altered".into());
-    }
-    postcard::from_bytes(payload).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

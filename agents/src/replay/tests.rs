@@ -126,6 +126,27 @@ fn capacity_is_rounded_down_to_whole_episodes() {
     assert!(matches!(Replay::new(&SPEC, H - 1), Err(AgentError::Config { field: "replay_capacity", .. })));
 }
 
+/// The paper's environments at the default capacity, from 4·((H + 1)(S + G + A) + G) bytes per episode.
+#[test]
+fn memory_is_what_the_documentation_says() {
+    for (ids, megabytes) in [
+        (&["MazeA", "MazeB", "MazeC"][..], 25),
+        (&["FetchReach"], 70),
+        (&["FetchPush", "FetchSlide", "FetchPickAndPlace"], 131),
+        (&["HandReach"], 401),
+        (&["HandManipulateBlockRotateZ", "HandManipulatePenRotate", "HandManipulateEggRotate"], 356),
+    ] {
+        for id in ids {
+            let replay = Replay::new(&envs::find(id).unwrap().spec, 1_000_000).unwrap();
+            assert_eq!((replay.capacity_bytes() as f64 / 1e6).round() as u64, megabytes, "{id}");
+        }
+    }
+    // Room for 3 episodes of 5·4 + 1 numbers of 4 bytes; what the full buffer really holds is as much.
+    let replay = filled(3, 5);
+    let held: usize = replay.records.iter().map(|record| 4 * record.len()).sum();
+    assert_eq!((replay.capacity_bytes(), held), (3 * 84, 3 * 84));
+}
+
 #[test]
 fn states_are_those_that_transitions_start_from() {
     let (replay, mut rng) = (filled(2, 2), stream(0, Purpose::Teacher));

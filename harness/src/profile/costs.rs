@@ -101,6 +101,17 @@ impl Costs {
     }
 }
 
+/// Bytes of memory.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Memory {
+    /// The most that the process has held, its few episodes of experience included.
+    pub peak: u64,
+    /// The same once the replay buffer is full.
+    pub peak_with_full_replay: u64,
+    /// The full replay buffer's share of that.
+    pub full_replay: u64,
+}
+
 /// The profile of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
@@ -114,6 +125,10 @@ pub struct Profile {
     pub size: Size,
     /// What it cost.
     pub costs: Costs,
+    /// Operations in the matrix products of a gradient step, in units of 10⁹.
+    pub gflop: f64,
+    /// What it held.
+    pub memory: Memory,
 }
 
 impl Profile {
@@ -127,9 +142,13 @@ impl Profile {
         1.0 / self.costs.total()
     }
 
-    /// All numbers; times in seconds.
+    /// Seconds that the bare products of a gradient step take.
+    fn products_per_update(&self) -> f64 {
+        self.costs.products / self.updates_per_step()
+    }
+
+    /// All numbers; times in seconds, memory in bytes.
     pub fn as_json(&self) -> Value {
-        let Costs { products, .. } = self.costs;
         let shares =
             self.costs.parts().map(|part| (part.name.to_owned(), json!(part.seconds / self.costs.total())));
         json!({
@@ -143,15 +162,17 @@ impl Profile {
             "updates_per_second": self.steps_per_second() * self.updates_per_step(),
             "limit_steps_per_second": self.costs.limit(),
             "share_of_limit": self.costs.share_of_limit(),
-            "products_s_per_update": products / self.updates_per_step(),
+            "products_s_per_update": self.products_per_update(),
+            "products_gflop_per_s": self.gflop / self.products_per_update(),
             "update_to_products": self.costs.over_products(false),
             "update_and_sampling_to_products": self.costs.over_products(true),
+            "memory_bytes": self.memory,
         })
     }
 
     /// A table for people.
     pub fn as_text(&self) -> String {
-        let Self { run, batch, layers, size, costs } = self;
+        let Self { run, batch, layers, size, costs, memory, .. } = self;
         let mut text = format!(
             "{run}: {} cycles, {} training steps, {} updates of batch {batch}, {layers} hidden layers\n\n",
             size.cycles, size.steps, size.updates
@@ -165,18 +186,24 @@ impl Profile {
         }
         line("all", costs.total(), "µs per training step");
         let every = size.evaluation_every;
+        let megabytes = |bytes: u64| bytes as f64 / 1e6;
         let _ = write!(
             text,
             "\nOne evaluation and one checkpoint are counted for every {every} steps, as in a whole run.\n\
              {:.1} training steps/s, {:.1} updates/s; at the limit 1/(physics + products) {:.1} steps/s: {:.3} of it\n\
-             an update takes {:.2} ms for its bare products and {:.3} times that in all ({:.3} with its batch)\n",
+             an update takes {:.2} ms for its bare products ({:.0} GFLOP/s) and {:.3} times that in all ({:.3} with its batch)\n\
+             at most {:.0} MB of memory; {:.0} MB once the replay buffer is full, {:.0} MB of them its own\n",
             self.steps_per_second(),
             self.steps_per_second() * self.updates_per_step(),
             costs.limit(),
             costs.share_of_limit(),
-            1e3 * costs.products / self.updates_per_step(),
+            1e3 * self.products_per_update(),
+            self.gflop / self.products_per_update(),
             costs.over_products(false),
             costs.over_products(true),
+            megabytes(memory.peak),
+            megabytes(memory.peak_with_full_replay),
+            megabytes(memory.full_replay),
         );
         text
     }
@@ -186,7 +213,7 @@ impl Profile {
 mod tests {
     use reports::record::RunKey;
 
-    use super::{Costs, Profile, Size};
+    use super::{Costs, Memory, Profile, Size};
 
     /// 10 ms per step, of which physics takes 1 and products 4.
     fn profile() -> Profile {
@@ -210,7 +237,9 @@ mod tests {
             seed: 0,
         };
         let size = Size { cycles: 2, steps: 200, updates: 80, evaluation_every: 10_000 };
-        Profile { run, batch: 1024, layers: 2, size, costs }
+        let memory =
+            Memory { peak: 150_000_000, peak_with_full_replay: 280_000_000, full_replay: 131_000_000 };
+        Profile { run, batch: 1024, layers: 2, size, costs, gflop: 1.5, memory }
     }
 
     #[test]
@@ -225,6 +254,7 @@ mod tests {
         let number = |key: &str| json[key].as_f64().expect(key);
         near(number("updates_per_second"), 40.0);
         near(number("products_s_per_update"), 10e-3);
+        near(number("products_gflop_per_s"), 150.0);
         near(number("update_to_products"), 1.25);
         near(number("update_and_sampling_to_products"), 1.375);
         near(json["shares"]["teacher"].as_f64().expect("a share"), 0.1);

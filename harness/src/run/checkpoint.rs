@@ -1,6 +1,6 @@
 //! Checkpoints: everything that a run is between two cycles, so that a killed run goes on as if nothing had happened.
 //!
-//! `checkpoint.bin` holds a header (magic, version, CRC-32 of the rest) and the state; the replay buffer's episodes lie in the
+//! `checkpoint.bin` holds the state, sealed with magic, version and CRC-32; the replay buffer's episodes lie in the
 //! log beside it, which only grows. The file is replaced atomically after the log is written, so whenever the process
 //! dies the file that is there fits the log.
 
@@ -8,6 +8,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use agents::Seal;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{Progress, new_file};
@@ -18,9 +19,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 /// Name of the folder of the replay log in a run's folder.
 pub const REPLAY: &str = "replay";
 
-const MAGIC: [u8; 4] = *b"GBCK";
-const VERSION: u32 = 2;
-const HEADER: usize = 12;
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 2, what: "a checkpoint" };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]
@@ -62,12 +61,8 @@ pub enum CheckpointError {
 pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
     let path = folder.join(CHECKPOINT);
     let io = |source| CheckpointError::Io { path: path.clone(), source };
-    let payload = postcard::to_stdvec(checkpoint).expect("a checkpoint is plain data");
     let mut file = new_file(folder).map_err(io)?;
-    file.write_all(&MAGIC).map_err(io)?;
-    file.write_all(&VERSION.to_le_bytes()).map_err(io)?;
-    file.write_all(&crc32fast::hash(&payload).to_le_bytes()).map_err(io)?;
-    file.write_all(&payload).map_err(io)?;
+    file.write_all(&SEAL.close(checkpoint)).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
     file.persist(&path).map_err(|error| io(error.error))?;
     Ok(())
@@ -84,8 +79,8 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, source }),
     };
-    let checkpoint =
-        decode(&bytes).map_err(|reason| CheckpointError::Damaged { path: path.clone(), reason })?;
+    let checkpoint: Checkpoint =
+        SEAL.open(&bytes).map_err(|reason| CheckpointError::Damaged { path: path.clone(), reason })?;
     if checkpoint.run != run {
         return Err(CheckpointError::Damaged {
             path,
@@ -93,25 +88,6 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
         });
     }
     Ok(Some(checkpoint))
-}
-
-fn decode(bytes: &[u8]) -> Result<Checkpoint, String> {
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| [b[0], b[1], b[2], b[3]]);
-    let (Some(magic), Some(version), Some(crc)) = (word(0), word(4), word(8)) else {
-        return Err(format!("only {} bytes long", bytes.len()));
-    };
-    if magic != MAGIC {
-        return Err("not a checkpoint".into());
-    }
-    let version = u32::from_le_bytes(version);
-    if version != VERSION {
-        return Err(format!("checkpoint version {version}; this program reads version {VERSION}"));
-    }
-    let payload = &bytes[HEADER..];
-    if crc32fast::hash(payload) != u32::from_le_bytes(crc) {
-        return Err("its checksum does not fit: it was cut off or altered".into());
-    }
-    postcard::from_bytes(payload).map_err(|error| error.to_string())
 }
 
 /// Removes what only an unfinished run needs: the replay log. The checkpoint stays, for it holds the trained student.

@@ -1,0 +1,82 @@
+//! Bytes that say what they are and whether they are whole.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A kind of saved state: a header of magic number, version and CRC-32 before the value in postcard's format.
+#[derive(Clone, Copy, Debug)]
+pub struct Seal {
+    /// The first four bytes.
+    pub magic: [u8; 4],
+    /// Version of the value's layout, raised whenever it changes.
+    pub version: u32,
+    /// What it is, in error messages: `a checkpoint`.
+    pub what: &'static str,
+}
+
+/// Bytes of the header.
+const HEADER: usize = 12;
+
+impl Seal {
+    /// `value` as bytes.
+    ///
+    /// # Panics
+    /// If `value` cannot be serialised: plain data can.
+    pub fn close(&self, value: &impl Serialize) -> Vec<u8> {
+        let payload = postcard::to_stdvec(value).expect("plain data in memory always serialises");
+        let mut bytes = Vec::with_capacity(HEADER + payload.len());
+        bytes.extend_from_slice(&self.magic);
+        bytes.extend_from_slice(&self.version.to_le_bytes());
+        bytes.extend_from_slice(&crc32fast::hash(&payload).to_le_bytes());
+        bytes.extend_from_slice(&payload);
+        bytes
+    }
+
+    /// The value that [`Seal::close`] was given.
+    ///
+    /// # Errors
+    /// What is wrong with the bytes: something else, another version, cut off or altered.
+    pub fn open<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T, String> {
+        let word = |at: usize| bytes.get(at..at + 4).map(|b| [b[0], b[1], b[2], b[3]]);
+        let (Some(magic), Some(version), Some(crc)) = (word(0), word(4), word(8)) else {
+            return Err(format!("only {} bytes long", bytes.len()));
+        };
+        if magic != self.magic {
+            return Err(format!("not {}", self.what));
+        }
+        let version = u32::from_le_bytes(version);
+        if version != self.version {
+            let (what, own) = (self.what, self.version);
+            return Err(format!("{what} of version {version}; this program reads version {own}"));
+        }
+        let payload = &bytes[HEADER..];
+        if crc32fast::hash(payload) != u32::from_le_bytes(crc) {
+            return Err("its checksum does not fit: it was cut off or altered".into());
+        }
+        postcard::from_bytes(payload).map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Seal;
+
+    const SEAL: Seal = Seal { magic: *b"TEST", version: 3, what: "a test" };
+
+    #[test]
+    fn what_is_closed_can_be_opened_and_damage_is_named() {
+        let bytes = SEAL.close(&(7u32, "seven"));
+        assert_eq!(SEAL.open::<(u32, String)>(&bytes), Ok((7, "seven".to_owned())));
+        let refusal = |bytes: &[u8]| SEAL.open::<(u32, String)>(bytes).unwrap_err();
+        for place in 12..bytes.len() {
+            let mut altered = bytes.clone();
+            altered[place] ^= 1;
+            assert!(refusal(&altered).contains("checksum"), "byte {place}");
+            assert!(refusal(&bytes[..place]).contains("checksum"), "{place} bytes");
+        }
+        assert_eq!(refusal(&bytes[..11]), "only 11 bytes long");
+        assert_eq!(refusal(b"nonsense, and long"), "not a test");
+        let newer = Seal { version: 4, ..SEAL }.close(&(7u32, "seven"));
+        assert_eq!(refusal(&newer), "a test of version 4; this program reads version 3");
+    }
+}
