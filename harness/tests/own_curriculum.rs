@@ -78,3 +78,22 @@ fn a_value_out_of_its_range_is_refused_by_name() {
     let message = String::from_utf8_lossy(&refused.stderr);
     assert!(message.contains("curriculum.nearest.share") && message.contains("(0, 1]"), "{message}");
 }
+
+/// So that the page stays true when the example changes.
+#[test]
+fn the_page_that_walks_through_it_quotes_it() {
+    let (page, example) =
+        (include_str!("../docs/curricula.md"), include_str!("../examples/own_curriculum.rs"));
+    let (_, rest) = page.split_once("### The example, step by step").expect("the walk");
+    let (walk, _) = rest.split_once("\n### ").expect("the next section");
+    let quoted: Vec<&str> = walk
+        .split("```rust\n")
+        .skip(1)
+        .flat_map(|rest| rest.split("```").next().unwrap_or_default().lines())
+        .map(str::trim)
+        .collect();
+    assert!(quoted.len() > 15, "{quoted:?}");
+    for line in quoted {
+        assert!(example.contains(line), "the example has no line `{line}`");
+    }
+}
