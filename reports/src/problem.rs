@@ -111,7 +111,7 @@ pub enum Fault {
         previous: u64,
     },
     /// Evaluations that are not there, though a later one is.
-    #[error("evaluations {from} to {to} are missing")]
+    #[error("{} missing", evaluations(*from, *to))]
     Gap {
         /// First one missing.
         from: u64,
@@ -150,4 +150,9 @@ pub enum Fault {
         /// Why, from its outcome.
         reason: String,
     },
+}
+
+/// `evaluation 2 is`, `evaluations 2 to 4 are`.
+fn evaluations(from: u64, to: u64) -> String {
+    if from == to { format!("evaluation {from} is") } else { format!("evaluations {from} to {to} are") }
 }

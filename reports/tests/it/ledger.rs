@@ -1,11 +1,14 @@
 //! Verdicts on the paper's claims, from results that leave no doubt and from results that say nothing.
 
+use std::fs;
 use std::path::Path;
 
 use super::support::{key, write_configured};
 use reports::ablation::{self, AXES};
 use reports::group;
+use reports::layout;
 use reports::ledger::{self, Entry, Verdict};
+use reports::report::{self, Options};
 use reports::stats::Resampling;
 use reports::store::Store;
 use serde_json::{Value, json};
@@ -104,6 +107,14 @@ fn a_value_that_repeats_the_reference_is_not_tested() {
     write_group(path, "MazeB", "teach", "default", 0.6, &teach(10, 1, "online"));
     write_group(path, "MazeB", "teach", "delta=2", 0.5, &teach(10, 2, "online"));
     assert!((interplay().confidence - 0.975).abs() < 1e-12);
+    // The comparisons of the report leave out what repeats its reference, in that environment alone.
+    report::write(path, &Options::default()).unwrap();
+    let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
+    let rows = |environment: &str| -> Vec<&str> {
+        let of_it = |line: &Vec<&str>| line[0] == environment;
+        csv.lines().map(|line| line.split(',').collect()).filter(of_it).map(|line| line[2]).collect()
+    };
+    assert_eq!((rows("MazeA"), rows("MazeB")), (vec!["delta=50"], vec!["delta=2"]));
 }
 
 #[test]

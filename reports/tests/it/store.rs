@@ -49,7 +49,7 @@ fn a_damaged_line_is_named_and_the_others_are_kept() {
     assert_eq!(problems.len(), 2);
     assert!(problems[0].starts_with(&format!("{FOLDER}/records.jsonl:2: not a valid evaluation, ignored: ")));
     assert!(problems[0].ends_with("at column 22"), "{}", problems[0]);
-    assert_eq!(problems[1], format!("{FOLDER}/records.jsonl:3: evaluations 1 to 1 are missing"));
+    assert_eq!(problems[1], format!("{FOLDER}/records.jsonl:3: evaluation 1 is missing"));
     assert_eq!(left, [0, 2, 3]);
 }
 
@@ -189,7 +189,12 @@ fn timings_and_outcomes_are_checked() {
     let (problems, left) = damaged(|folder| {
         fs::write(
             folder.join(TIMING),
-            "{\"eval_index\":0,\"step\":0,\"wall_s\":-1.0,\"evaluation_s\":0.0}\n",
+            concat!(
+                "{\"eval_index\":0,\"step\":0,\"wall_s\":-1.0,\"evaluation_s\":0.0}\n",
+                "{\"eval_index\":1,\"step\":1,\"wall_s\":2.0,\"evaluation_s\":0.0,\"teacher_s\":3.0}\n",
+                // Files of old versions do not tell whose time it was.
+                "{\"eval_index\":2,\"step\":2,\"wall_s\":3.0,\"evaluation_s\":0.0}\n",
+            ),
         )
         .unwrap();
         fs::write(folder.join(OUTCOME), line(&Outcome::Failed { step: 2_000, reason: "NaN in Q".into() }))
@@ -199,6 +204,7 @@ fn timings_and_outcomes_are_checked() {
         "outcome.json: evaluation at step 3000, kept; outcome.json says that the run ended at step 2000",
         "outcome.json: the run failed at step 2000, its evaluations are kept: NaN in Q",
         "timing.jsonl:1: wall_s is -1, line ignored; expected a number of at least 0",
+        "timing.jsonl:2: teacher_s is 3, line ignored; expected a number in [0, wall_s]",
     ];
     assert_eq!(problems, expected.map(|text| format!("{FOLDER}/{text}")));
     assert_eq!(left, [0, 1, 2, 3]);
