@@ -13,6 +13,9 @@ pub(crate) struct Fault {
     pub(crate) original: &'static str,
     /// What is planted in its place.
     pub(crate) faulty: &'static str,
+    /// Whether it shows in success rates or teachers at the budget of the committed baseline. What does not still changes
+    /// bytes, which `--exact` sees.
+    pub(crate) shows: bool,
 }
 
 /// All faults.
@@ -23,6 +26,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/replay/draw.rs",
         original: "    k / (k + 1.0)\n",
         faulty: "    0.0 * k\n",
+        shows: true,
     },
     Fault {
         name: "reward-sign",
@@ -31,6 +35,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         original: "batch.rewards[row] = env.reward(&achieved, &goal) as f32;",
         faulty: "let reward = env.reward(&achieved, &goal) as f32;\n            \
                  batch.rewards[row] = if draw.future.is_some() { -reward } else { reward };",
+        shows: true,
     },
     Fault {
         name: "target-frozen",
@@ -38,6 +43,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/ddpg/update.rs",
         original: "        self.actor.follow(polyak)?;\n        self.critic.networks.follow(polyak)?;\n",
         faulty: "        let _ = polyak;\n",
+        shows: true,
     },
     Fault {
         name: "clip-removed",
@@ -45,6 +51,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/losses.rs",
         original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
         faulty: "    let _ = lowest;\n    reward + gamma * next_value\n",
+        shows: false,
     },
     Fault {
         name: "clip-wrong-end",
@@ -52,6 +59,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/losses.rs",
         original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
         faulty: "    (reward + gamma * next_value).clamp(0.0, -lowest)\n",
+        shows: true,
     },
     Fault {
         name: "normaliser-frozen",
@@ -59,6 +67,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/normalizer.rs",
         original: "        self.moments.count += (rows.len() / width) as u64;\n        self.refresh();\n",
         faulty: "        self.moments.count += (rows.len() / width) as u64;\n",
+        shows: true,
     },
     Fault {
         name: "noise-zero",
@@ -66,6 +75,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/ddpg.rs",
         original: "            self.noise.apply(action, rng);\n",
         faulty: "            let _ = rng;\n",
+        shows: true,
     },
     Fault {
         name: "teach-inverted",
@@ -75,6 +85,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         faulty: "    let most = window.variance().into_iter().fold(0.0, f64::max);\n    \
                  let inverted: Vec<f64> = window.variance().iter().map(|variance| most - variance).collect();\n    \
                  let proportional =\n        Distribution::proportional(&inverted, ",
+        shows: true,
     },
     Fault {
         name: "actor-sign",
@@ -82,6 +93,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/losses.rs",
         original: "            slope.fill(-1.0 / n as f32);\n",
         faulty: "            slope.fill(1.0 / n as f32);\n",
+        shows: true,
     },
 ];
 
