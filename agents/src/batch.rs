@@ -16,6 +16,8 @@ pub struct Batch {
     pub(crate) dims: Dims,
     /// Which transitions these are: scratch of the sampling.
     pub(crate) draws: Vec<Draw>,
+    /// An achieved goal and a wanted one in double precision, shape `[2, G]`: scratch of the sampling.
+    pub(crate) goal_pair: [Vec<f64>; 2],
     /// s, shape `[n, S]`.
     pub states: Vec<f32>,
     /// s', shape `[n, S]`.
@@ -83,6 +85,7 @@ impl Batch {
             len: n,
             dims,
             draws: Vec::with_capacity(n),
+            goal_pair: [vec![0.0; dims.goal], vec![0.0; dims.goal]],
             states: vec![0.0; n * dims.state],
             next_states: vec![0.0; n * dims.state],
             goals: vec![0.0; n * dims.goal],

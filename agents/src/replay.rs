@@ -139,7 +139,7 @@ impl Replay {
     ///
     /// With probability `her_k`/(`her_k` + 1) a transition's goal is one achieved later in its episode (HER,
     /// strategy "future"), else the one that was asked for. Rewards are `env`'s for the achieved goal after the
-    /// transition. The next actions are left as they are.
+    /// transition. The next actions are left as they are. Nothing is allocated.
     ///
     /// # Errors
     /// [`AgentError::EmptyReplay`], or [`AgentError::Shape`] if `batch` is of another task.
@@ -164,15 +164,14 @@ impl Replay {
             };
             batch.draws.push(Draw::new(record, self.horizon, her_k, rng));
         }
-        let mut achieved = vec![0.0; self.dims.goal];
-        let mut goal = vec![0.0; self.dims.goal];
         for row in 0..batch.len {
             let draw = batch.draws[row];
             let record = &self.records[draw.record];
             self.gather(record, draw, row, batch);
-            widen(self.achieved(record, draw.step + 1), &mut achieved);
-            widen(&batch.goals[row * self.dims.goal..][..self.dims.goal], &mut goal);
-            batch.rewards[row] = env.reward(&achieved, &goal) as f32;
+            let [achieved, wanted] = &mut batch.goal_pair;
+            widen(self.achieved(record, draw.step + 1), achieved);
+            widen(&batch.goals[row * self.dims.goal..][..self.dims.goal], wanted);
+            batch.rewards[row] = env.reward(achieved, wanted) as f32;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Where a run's time goes: a short training, watched part by part.
 //!
-//! The training loop is the one of every run. Decorators around environment and student ([`timed`]) and a [`Watcher`] hold the
+//! The training loop is the one of every run. Decorators around environment and student (`timed`) and a [`Watcher`] hold the
 //! watches, some ten per training step at 50 ns each; the matrix products, which cannot be told apart from inside, are
 //! run alone after every cycle ([`Products`]), as many as the cycle had.
 //!
