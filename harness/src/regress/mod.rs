@@ -1,7 +1,7 @@
 //! The regression gate: does a change make a method learn worse?
 //!
 //! [`runs`] carries out a reduced protocol, [`cells`] reads its curves, [`baseline`] keeps them in a small JSON file. A later
-//! check carries the same protocol out again and [`compare`]s: equal curves, byte for byte, or else a test of every
+//! check carries the same protocol out again and [compares](mod@compare): equal curves, byte for byte, or else a test of every
 //! [`group`] of runs by every [`measure`]. [`false_alarms`] counts how often unchanged code would fail.
 //!
 //! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.

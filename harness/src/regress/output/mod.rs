@@ -20,7 +20,7 @@ pub use junit::junit;
 pub use markdown::markdown;
 pub use text::text;
 
-/// Names of the files of [`write`].
+/// Names of the files of [`write()`].
 pub const JSON: &str = "regression.json";
 /// JUnit's XML, which most CI systems show.
 pub const JUNIT: &str = "junit.xml";
