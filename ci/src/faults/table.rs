@@ -32,8 +32,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "reward-sign",
         title: "the reward of relabelled transitions has the wrong sign",
         file: "agents/src/replay.rs",
-        original: "batch.rewards[row] = env.reward(&achieved, &goal) as f32;",
-        faulty: "let reward = env.reward(&achieved, &goal) as f32;\n            \
+        original: "batch.rewards[row] = env.reward(achieved, wanted) as f32;",
+        faulty: "let reward = env.reward(achieved, wanted) as f32;\n            \
                  batch.rewards[row] = if draw.future.is_some() { -reward } else { reward };",
         shows: true,
     },
