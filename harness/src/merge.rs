@@ -5,11 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::layout;
-use reports::record::Manifest;
+use reports::record::{Manifest, Outcome};
 
 use crate::error::HarnessError;
+use crate::executor::is_locked;
 use crate::run::checkpoint::{CHECKPOINT, REPLAY};
-use crate::run::folder::read_json;
+use crate::run::folder::{self, CHECKSUMS, read_json};
+use crate::run::manifest;
 use crate::status::find_runs;
 use crate::tracking::EVENTS;
 
@@ -27,7 +29,7 @@ struct Found {
     folder: PathBuf,
     manifest: Manifest,
     records: Vec<u8>,
-    ended: bool,
+    outcome: Option<Outcome>,
 }
 
 /// Copies the runs of all `sources` into the new folder `out`, which appears complete or not at all.
@@ -47,10 +49,13 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     let mut conflicts = Vec::new();
     let mut shared = 0;
     for source in sources {
-        let mut folders = Vec::new();
-        find_runs(&layout::runs_dir(source), &mut folders)?;
+        let folders = find_runs(source)?;
+        if folders.is_empty() {
+            let path = layout::runs_dir(source);
+            return Err(HarnessError::Damaged { path, reason: "holds no runs".into() });
+        }
         for folder in folders {
-            let found = read(folder)?;
+            let found = read(source, folder)?;
             let id = found.manifest.run.to_string();
             let Some(other) = chosen.get(&id) else {
                 chosen.insert(id, found);
@@ -73,24 +78,35 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     Ok(Merged { runs: chosen.len(), shared })
 }
 
-fn read(folder: PathBuf) -> Result<Found, HarnessError> {
+fn read(source: &Path, folder: PathBuf) -> Result<Found, HarnessError> {
     let path = folder.join(layout::MANIFEST);
-    let manifest = read_json(&path)?
-        .ok_or_else(|| HarnessError::Damaged { path: path.clone(), reason: "it disappeared".into() })?;
+    let damaged = |reason: String| HarnessError::Damaged { path: path.clone(), reason };
+    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("it disappeared".into()))?;
+    if folder != layout::run_dir(source, &manifest.run) {
+        return Err(damaged(format!("belongs to the run {}, which does not lie here", manifest.run)));
+    }
+    manifest::config(&manifest).map_err(damaged)?;
+    if is_locked(&folder) {
+        // Its files do not stay together while they are copied.
+        return Err(HarnessError::Locked { folder });
+    }
     let records = folder.join(layout::RECORDS);
     let records = if records.exists() {
         fs::read(&records).map_err(HarnessError::io(&records, "read this file"))?
     } else {
         Vec::new()
     };
-    let ended = folder.join(layout::OUTCOME).exists();
-    Ok(Found { folder, manifest, records, ended })
+    let outcome = folder::outcome(&folder, &manifest)?;
+    Ok(Found { folder, manifest, records, outcome })
 }
 
 fn conflict(a: &Found, b: &Found) -> Option<String> {
     let both = format!("{} and {}", a.folder.display(), b.folder.display());
     if a.manifest.hash != b.manifest.hash {
         return Some(format!("{both} have different configs"));
+    }
+    if a.outcome.is_some() && b.outcome.is_some() && a.outcome != b.outcome {
+        return Some(format!("{both} ended differently"));
     }
     let common = a.records.len().min(b.records.len());
     if a.records[..common] != b.records[..common] {
@@ -99,8 +115,13 @@ fn conflict(a: &Found, b: &Found) -> Option<String> {
     None
 }
 
+/// Further is who has finished, then who has recorded more, then who has failed there.
 fn is_further(a: &Found, b: &Found) -> bool {
-    (a.ended, a.records.len()) > (b.ended, b.records.len())
+    let rank = |found: &Found| {
+        let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));
+        (finished, found.records.len(), found.outcome.is_some())
+    };
+    rank(a) > rank(b)
 }
 
 /// Copies into a temporary neighbour of `out`, then renames it.
@@ -133,6 +154,7 @@ fn copy_folder(from: &Path, to: &Path) -> Result<(), HarnessError> {
         layout::TEACHING,
         layout::TIMING,
         layout::OUTCOME,
+        CHECKSUMS,
         layout::CRASHES,
         layout::WORKER_LOG,
         CHECKPOINT,

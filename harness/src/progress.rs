@@ -63,6 +63,7 @@ fn ending_text(ending: &Ending) -> String {
         Ending::Ended(Outcome::Finished { step }) => format!("finished after {step} steps"),
         Ending::Ended(Outcome::Failed { step, reason }) => format!("FAILED at step {step}: {reason}"),
         Ending::Stopped => "stopped; goes on another time".into(),
+        Ending::Taken => "left to another process, which is carrying it out".into(),
         Ending::Crashed { reason } => format!("CRASHED: {reason}"),
     }
 }

@@ -19,6 +19,7 @@ pub fn hint<'a>(typed: &str, accepted: impl IntoIterator<Item = &'a str> + Clone
     let list = accepted.clone().into_iter().collect::<Vec<_>>().join(", ");
     match closest(typed, accepted) {
         Some(name) => format!("; did you mean `{name}`? Accepted: {list}"),
+        None if list.is_empty() => "; there are none".into(),
         None => format!("; accepted: {list}"),
     }
 }

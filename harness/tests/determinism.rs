@@ -62,10 +62,11 @@ fn finished_runs_are_kept_and_an_unfinished_one_ends_with_the_same_bytes() {
     toy(folder.path(), &[]);
     let (kept, redone) = (records(folder.path(), "her-iid", 0), records(folder.path(), "teach", 1));
     let run = |seed| folder.path().join(format!("runs/Point/teach/default/seed-{seed}"));
-    // As after a kill before the first checkpoint: half the records, no outcome.
+    // As after a kill before the first checkpoint: one record and a half, no outcome.
     fs::remove_file(run(1).join(goalbench::run::checkpoint::CHECKPOINT)).expect("the run saved checkpoints");
     fs::remove_file(run(1).join(layout::OUTCOME)).expect("the run ended");
-    fs::write(run(1).join(layout::RECORDS), &redone[..redone.len() / 2]).expect("the records can be cut");
+    fs::write(run(1).join(layout::RECORDS), &redone[..redone.len() * 3 / 10])
+        .expect("the records can be cut");
     let output = support::goalbench(&toy_args(folder.path(), &[]));
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(stderr(&output).matches("kept from before").count(), 3, "{}", stderr(&output));

@@ -100,6 +100,7 @@ fn conflicting_runs_are_named_and_nothing_is_written() {
         .expect("records")
         .replace("\"gradient_steps\":12", "\"gradient_steps\":13");
     fs::write(&records, text).expect("the test folder can be written");
+    fs::remove_file(run(&b, 1).join(layout::OUTCOME)).expect("an outcome");
     refused(&[&a, &b], &["Point/teach/default/seed-1", "different records"]);
 
     refused(&[&a, &folder.path().join("nowhere")], &["nowhere"]);

@@ -28,8 +28,7 @@ const LONGER: [&str; 8] = [
 
 /// What every run recorded, the clock apart, by path.
 fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut runs = Vec::new();
-    goalbench::status::find_runs(&layout::runs_dir(folder), &mut runs).expect("a results folder");
+    let runs = goalbench::status::find_runs(folder).expect("a results folder");
     let files = runs
         .iter()
         .flat_map(|run| [layout::RECORDS, layout::TEACHING, layout::OUTCOME].map(|name| run.join(name)));
@@ -97,9 +96,19 @@ fn kills_of_workers_and_parents_at_any_moment_change_no_byte() {
     let expected = undisturbed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let args = toy_args(folder.path(), &LONGER);
+    let mut came_further = 0;
     for (round, moment) in moments().take(14).enumerate() {
+        let recorded =
+            || fs::metadata(teach(folder.path()).join(layout::RECORDS)).map_or(0, |file| file.len());
+        let before = recorded();
         let mut parent = start(&args);
         std::thread::sleep(moment);
+        // In every other round, kill in the moment in which an evaluation is recorded and its checkpoint begun.
+        let begun = Instant::now();
+        while round % 2 == 1 && recorded() <= before && begun.elapsed() < Duration::from_secs(5) {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        came_further += u32::from(recorded() > before);
         if round % 2 == 0 {
             for worker in workers(parent.id()) {
                 signal(worker, Signal::KILL);
@@ -109,6 +118,7 @@ fn kills_of_workers_and_parents_at_any_moment_change_no_byte() {
         signal(parent.id(), Signal::KILL);
         parent.wait().expect("it was started here");
     }
+    assert!(came_further >= 3, "kills fell into {came_further} rounds in which something was recorded");
     toy(folder.path(), &LONGER);
     assert_eq!(results(folder.path()), expected);
 }
@@ -119,8 +129,8 @@ fn a_signal_saves_a_checkpoint_and_the_same_command_goes_on() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let args = toy_args(folder.path(), &LONGER);
     let mut recorded = 0;
-    for kind in [Signal::INT, Signal::TERM] {
-        let mut parent = start(&args);
+    for (kind, more) in [(Signal::INT, Some("--tensorboard")), (Signal::TERM, None)] {
+        let mut parent = start(&[&args[..], more.as_slice()].concat());
         wait_for_checkpoint(folder.path(), recorded);
         signal(parent.id(), kind);
         let status = parent.wait().expect("it was started here");
@@ -129,6 +139,10 @@ fn a_signal_saves_a_checkpoint_and_the_same_command_goes_on() {
     }
     toy(folder.path(), &LONGER);
     assert_eq!(results(folder.path()), expected);
+    // An event file, once begun, goes on with the run: the version of its format, then every evaluation once.
+    let records = fs::read_to_string(teach(folder.path()).join(layout::RECORDS)).expect("records");
+    let events = teach(folder.path()).join(goalbench::tracking::EVENTS);
+    assert_eq!(support::tfrecords(&events), 1 + records.lines().count());
 }
 
 #[test]

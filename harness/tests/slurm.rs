@@ -41,6 +41,12 @@ fn queue_is_empty() -> bool {
     output.status.success() && output.stdout.trim_ascii().is_empty()
 }
 
+/// Runs of `results` that have not ended.
+fn unfinished(results: &Path) -> usize {
+    let ended = |run: &&str| results.join("runs/Point").join(run).join(layout::OUTCOME).exists();
+    RUNS.len() - RUNS.iter().filter(ended).count()
+}
+
 #[test]
 fn a_cancelled_and_resubmitted_array_ends_with_the_bytes_of_a_local_run() {
     if std::env::var_os("GOALBENCH_TEST_SLURM").is_none() {
@@ -58,11 +64,21 @@ fn a_cancelled_and_resubmitted_array_ends_with_the_bytes_of_a_local_run() {
     wait("a checkpoint", || first.exists());
     assert!(Command::new("scancel").args(["--full", &job]).status().expect("scancel runs").success());
     wait("the cancelled job", queue_is_empty);
-    let status = goalbench(&["status", cluster.to_str().expect("UTF-8"), "--json"]);
-    assert!(stdout(&status).contains("\"activity\""), "{}", stderr(&status));
+    assert!(unfinished(&cluster) > 0, "it was cancelled half-way");
 
-    submit(&cluster);
-    wait("the second job", queue_is_empty);
+    // A second time half-way: a task's process dies without warning, as on a node that goes down, and Slurm requeues the task.
+    let records = cluster.join("runs/Point/teach/default/seed-0").join(layout::RECORDS);
+    let length = |path: &Path| fs::metadata(path).map_or(0, |file| file.len());
+    let before = length(&records);
+    let job = submit(&cluster);
+    let twice = goalbench(&toy_args(&cluster, &[&LONGER[..], &["--executor", "slurm"]].concat()));
+    assert_eq!(twice.status.code(), Some(2));
+    assert!(stderr(&twice).contains("still in the queue"), "{}", stderr(&twice));
+    wait("progress", || length(&records) > before || unfinished(&cluster) == 0);
+    let requeued =
+        Command::new("scontrol").args(["requeue", &format!("{job}_0")]).output().expect("scontrol runs");
+    println!("requeue: {}{}", stdout(&requeued), stderr(&requeued));
+    wait("the second job", || queue_is_empty() && unfinished(&cluster) == 0);
     for run in RUNS {
         for name in [layout::RECORDS, layout::TEACHING, layout::OUTCOME] {
             let read =

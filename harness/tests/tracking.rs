@@ -17,19 +17,6 @@ fn run(results: &Path) -> PathBuf {
     results.join("runs/Point/teach/default/seed-0")
 }
 
-/// Payloads of the TFRecords in `file`: length (8 bytes), its checksum (4), payload, its checksum (4).
-fn frames(file: &Path) -> Vec<Vec<u8>> {
-    let bytes = fs::read(file).expect("an event file");
-    let mut rest = bytes.as_slice();
-    let mut frames = Vec::new();
-    while !rest.is_empty() {
-        let length = u64::from_le_bytes(rest[..8].try_into().expect("8 bytes")) as usize;
-        frames.push(rest[12..12 + length].to_vec());
-        rest = &rest[length + 16..];
-    }
-    frames
-}
-
 fn records(results: &Path) -> usize {
     fs::read_to_string(run(results).join(layout::RECORDS)).expect("records").lines().count()
 }
@@ -43,22 +30,7 @@ fn there_is_an_event_per_evaluation_on_request_alone() {
     // Asked for later, also of runs that have ended.
     toy(folder.path(), &["--tensorboard"]);
     // The first frame holds the version of the format.
-    assert_eq!(frames(&events).len(), 1 + records(folder.path()));
-}
-
-#[test]
-fn a_resumed_run_has_every_event_once() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let (whole, resumed) = (folder.path().join("whole"), folder.path().join("resumed"));
-    toy(&whole, &["--tensorboard"]);
-    toy(&resumed, &["--tensorboard"]);
-    // As if the worker had been killed after its second-last evaluation, before anything else was noted: its checkpoint is
-    // gone with the outcome, so the run begins anew over the files that are there.
-    fs::remove_file(run(&resumed).join(layout::OUTCOME)).expect("an outcome");
-    fs::remove_file(run(&resumed).join("checkpoint.bin")).expect("a checkpoint");
-    toy(&resumed, &["--tensorboard"]);
-    let count = |results: &Path| frames(&run(results).join(EVENTS)).len();
-    assert_eq!(count(&resumed), count(&whole));
+    assert_eq!(support::tfrecords(&events), 1 + records(folder.path()));
 }
 
 /// Prints, for every run and tag that TensorBoard finds, its steps and values.

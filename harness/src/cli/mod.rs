@@ -28,7 +28,9 @@ const FAILED: u8 = 1;
 /// Exit code of a worker or sweep that a signal stopped: it can go on later.
 const STOPPED: u8 = 3;
 /// Exit code for wrong input.
-const WRONG_INPUT: u8 = 2;
+pub(crate) const WRONG_INPUT: u8 = 2;
+/// Exit code of a worker whose run another process is carrying out.
+pub(crate) const TAKEN: u8 = 4;
 
 /// Benchmarks automatic curricula for goal-conditioned reinforcement learning.
 #[derive(Parser)]
@@ -113,6 +115,7 @@ fn worker(registry: &Registry, folder: &Path, tensorboard: bool) -> Exit {
     match crate::executor::worker::work(registry, folder, tensorboard) {
         Ok(Some(_)) => Ok(ExitCode::SUCCESS),
         Ok(None) => Ok(ExitCode::from(STOPPED)),
+        Err(HarnessError::Locked { .. }) => Ok(ExitCode::from(TAKEN)),
         Err(error) if error.is_transient() => {
             complain(&format!("goalbench: {error}"));
             Ok(ExitCode::from(FAILED))

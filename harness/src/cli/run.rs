@@ -19,7 +19,7 @@ use crate::executor::{Ending, Job, Lock, survey};
 use crate::progress;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, presets};
-use crate::run::folder::State;
+use crate::run::folder::{self, State};
 use crate::tracking::EventFile;
 
 #[derive(clap::Args)]
@@ -44,6 +44,9 @@ pub(super) struct Args {
     /// Training steps per run; short for --set budget.steps=N
     #[arg(long, value_name = "N")]
     steps: Option<u64>,
+    /// Where the student computes: cpu or cuda; short for --set student.device=NAME
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
     /// Any config field, as in curriculum.teach.window=5; `goalbench list config` shows them all [repeatable]
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -57,11 +60,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 2)]
     retries: u32,
     /// Print progress as JSON lines on standard output, for scripts
-    #[arg(long)]
+    #[arg(long, conflicts_with = "dry_run")]
     json: bool,
     /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
     #[arg(long)]
     tensorboard: bool,
+    /// Let runs that failed (diverged learning, unstable physics) go on from their last checkpoint, too; on the CPU
+    /// they fail again at the same step unless the program changed
+    #[arg(long)]
+    retry_failed: bool,
     /// Where runs are carried out
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
@@ -146,7 +153,13 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     let _lock = Lock::take(&results)?;
     // Another `run` may have worked here between the first look and the lock.
-    let jobs = survey(&plan, &results)?;
+    let mut jobs = survey(&plan, &results)?;
+    if args.retry_failed {
+        for job in jobs.iter_mut().filter(|job| matches!(job.state, State::Ended(Outcome::Failed { .. }))) {
+            folder::reopen(&job.folder)?;
+            job.state = State::Begun;
+        }
+    }
     if args.tensorboard {
         for job in jobs.iter().filter(|job| matches!(job.state, State::Ended(_))) {
             // No worker will: it ended before.
@@ -185,12 +198,15 @@ fn submit(jobs: &[Job], results: &Path, name: &str, args: &Args) -> Exit {
         extra: args.slurm.extra.clone(),
     };
     let place = results.display();
-    print(&match slurm::submit(jobs, results, &request)? {
-        Some((id, tasks)) => {
-            format!("submitted job {id} with {tasks} tasks; next: goalbench status {place}\n")
-        }
-        None => format!("{} runs finished, nothing to submit; next: goalbench report {place}\n", jobs.len()),
-    });
+    let Some((id, tasks)) = slurm::submit(jobs, results, &request)? else {
+        print("nothing to submit\n");
+        let ended = jobs.iter().filter_map(|job| match &job.state {
+            State::Ended(outcome) => Some(Ending::Ended(outcome.clone())),
+            State::New | State::Begun => None,
+        });
+        return summarise(jobs, &ended.collect::<Vec<_>>(), results, false);
+    };
+    print(&format!("submitted job {id} with {tasks} tasks; next: goalbench status {place}\n"));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -224,6 +240,9 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
     if let Some(steps) = args.steps {
         protocol.set_steps(steps);
     }
+    if let Some(device) = &args.device {
+        protocol.set_device(device);
+    }
     for assignment in &args.set {
         protocol.set(Layer::from_set(assignment)?);
     }
@@ -237,12 +256,13 @@ fn folder_name(name: &str) -> String {
 
 /// Says what came out and gives the exit code. With `json` the events have told it before.
 fn summarise(jobs: &[Job], endings: &[Ending], results: &Path, json: bool) -> Exit {
-    let (mut failed, mut stopped) = (0, 0);
+    let (mut failed, mut stopped, mut taken) = (0, 0, 0);
     for (job, ending) in jobs.iter().zip(endings) {
         let run = &job.manifest.run;
         match ending {
             Ending::Ended(Outcome::Finished { .. }) => {}
             Ending::Stopped => stopped += 1,
+            Ending::Taken => taken += 1,
             Ending::Ended(Outcome::Failed { step, reason }) => {
                 failed += 1;
                 complain(&format!("goalbench: {run}: failed at step {step}: {reason}"));
@@ -256,7 +276,8 @@ fn summarise(jobs: &[Job], endings: &[Ending], results: &Path, json: bool) -> Ex
     let (place, total) = (results.display(), jobs.len());
     if failed > 0 {
         complain(&format!(
-            "goalbench: {failed} of {total} runs failed; the records of the others are in {place}"
+            "goalbench: {failed} of {total} runs failed; the records of the others are in {place}; crashed ones go on \
+             with the same command, failed ones with --retry-failed"
         ));
     }
     if stopped > 0 {
@@ -264,10 +285,15 @@ fn summarise(jobs: &[Job], endings: &[Ending], results: &Path, json: bool) -> Ex
             "goalbench: {stopped} of {total} runs stopped; the same command goes on with them"
         ));
     }
-    if failed + stopped == 0 && !json {
+    if taken > 0 {
+        complain(&format!(
+            "goalbench: {taken} of {total} runs are being carried out by another process; see goalbench status {place}"
+        ));
+    }
+    if failed + stopped + taken == 0 && !json {
         print(&format!("{total} runs finished; records in {place}; next: goalbench report {place}\n"));
     }
-    Ok(match (failed, stopped) {
+    Ok(match (failed, stopped + taken) {
         (0, 0) => ExitCode::SUCCESS,
         (0, _) => ExitCode::from(STOPPED),
         _ => ExitCode::from(FAILED),

@@ -19,12 +19,14 @@ pub(super) struct Args {
     json: bool,
 }
 
-const ACTIVITIES: [(Activity, &str); 5] = [
+const ACTIVITIES: [(Activity, &str); 7] = [
     (Activity::Finished, "finished"),
     (Activity::Running, "running"),
     (Activity::Stopped, "stopped"),
     (Activity::Waiting, "waiting"),
     (Activity::Failed, "failed"),
+    (Activity::Crashed, "crashed"),
+    (Activity::Damaged, "damaged"),
 ];
 
 pub(super) fn show(args: &Args) -> Exit {
@@ -77,5 +79,13 @@ fn as_text(runs: &[RunStatus]) -> String {
         .map(|(activity, name)| (count(runs, *activity), name))
         .filter(|(count, _)| *count > 0);
     let counts: Vec<String> = counts.map(|(count, name)| format!("{count} {name}")).collect();
-    text + &format!("{} runs: {}\n", runs.len(), counts.join(", "))
+    text += &format!("{} runs: {}", runs.len(), counts.join(", "));
+    let running: Vec<&RunStatus> = runs.iter().filter(|run| run.activity == Activity::Running).collect();
+    let left: f64 = runs.iter().filter_map(|run| run.left_s).sum();
+    if !running.is_empty() && left > 0.0 {
+        let speed: f64 = running.iter().filter_map(|run| run.steps_per_s).sum();
+        let left = human(Duration::from_secs_f64(left / running.len() as f64));
+        text += &format!("; {speed:.0} steps/s together, about {left} left for what has begun");
+    }
+    text + "\n"
 }

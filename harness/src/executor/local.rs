@@ -35,12 +35,11 @@ pub fn execute(
     for job in jobs.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
     }
-    let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(conduct.parallel)
         .build()
         .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
-    let supervisor = Supervisor { program: &program, conduct, stopper, display };
+    let supervisor = Supervisor { conduct, stopper, display };
     let endings: Vec<Mutex<Option<Ending>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     pool.in_place_scope_fifo(|scope| {
         for (job, ending) in jobs.iter().zip(&endings) {

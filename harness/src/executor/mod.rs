@@ -84,6 +84,8 @@ pub enum Ending {
     Ended(Outcome),
     /// A signal stopped it; it goes on from its checkpoint another time.
     Stopped,
+    /// Another process is carrying it out: a job array beside a local sweep, for one.
+    Taken,
     /// Its workers went away without an outcome.
     Crashed {
         /// How, with the end of what it said.

@@ -46,6 +46,9 @@ pub struct Request {
 /// Seconds before the time limit at which Slurm sends SIGTERM: enough to end a cycle and save.
 const WARNING_S: u32 = 120;
 
+/// Name of the file that holds a submission's job id.
+const JOB: &str = "job";
+
 /// The runs of a job array, by task. Folders are relative to the results folder.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -73,6 +76,7 @@ pub fn submit(
     for job in open.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
     }
+    check_queue(&results)?;
     let folder = new_submission(&results)?;
     let relative = |job: &Job| reports::layout::run_dir(Path::new(""), &job.manifest.run);
     let tasks =
@@ -86,8 +90,36 @@ pub fn submit(
     let text = script_text(&program, &list)?;
     fs::write(&script, text).map_err(HarnessError::io(&script, "write this file"))?;
     let count = tasks.tasks.len();
-    let id = sbatch(&script, &folder, count, request)?;
+    let id = match sbatch(&script, &folder, count, request) {
+        Ok(id) => id,
+        Err(error) => {
+            // Nothing was submitted: leave no trace of a submission. What cannot be removed does no harm.
+            let _ = fs::remove_dir_all(&folder);
+            return Err(error);
+        }
+    };
+    let path = folder.join(JOB);
+    fs::write(&path, &id).map_err(HarnessError::io(&path, "write this file"))?;
     Ok(Some((id, count)))
+}
+
+/// Refuses to submit runs a second time while an earlier submission is still in the queue.
+fn check_queue(results: &Path) -> Result<(), HarnessError> {
+    let Ok(entries) = fs::read_dir(results.join("slurm")) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let Ok(id) = fs::read_to_string(entry.path().join(JOB)) else { continue };
+        let queue = Command::new("squeue").args(["--noheader", "--jobs", id.trim()]).output();
+        // Slurm forgets old jobs: an unknown one is not in the queue.
+        let waiting =
+            queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.trim_ascii().is_empty());
+        if waiting {
+            return Err(refused(format!(
+                "job {} of an earlier submission is still in the queue with these runs; wait for it or scancel it",
+                id.trim()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The next free `RESULTS/slurm/N`.

@@ -19,7 +19,7 @@ use super::event::Event;
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
-use crate::run::folder::{Progress, Recorder, read_json};
+use crate::run::folder::{self, Progress, Recorder, read_json};
 use crate::run::manifest;
 use crate::run::train::{End, Phase, RunError, Trainer, TrainerState, Watcher, Wish};
 
@@ -49,9 +49,9 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
     set_parent_process_death_signal(Some(Signal::TERM)).map_err(parent_gone)?;
     let _lock = take_lock(folder)?;
     let recording = |source| recording_error(folder, source);
-    if let Some(outcome) = read_json::<Outcome>(&folder.join(layout::OUTCOME))? {
+    if let Some(outcome) = folder::outcome(folder, &manifest)? {
         // Another worker ended this run since it was planned, or was killed before it could say so.
-        checkpoint::clear_replay(folder).map_err(recording)?;
+        tidy(folder, &outcome).map_err(recording)?;
         send(&mut std::io::stdout().lock(), &Event::Ended { outcome: outcome.clone() }).map_err(recording)?;
         return Ok(Some(outcome));
     }
@@ -72,7 +72,10 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
             trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_run)?;
             checkpoint.progress.clone()
         }
-        None => Progress::default(),
+        None => {
+            check_beginning(folder)?;
+            Progress::default()
+        }
     };
     let mut reporter = Reporter {
         folder: folder.to_owned(),
@@ -83,7 +86,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         last_step: Instant::now(),
         stop: stop_flag().map_err(recording)?,
     };
-    send(&mut reporter.out, &Event::Step { step: trainer.step() }).map_err(recording)?;
+    reporter.tell(&Event::Step { step: trainer.step() }).map_err(recording)?;
     let outcome = match trainer.run(&mut reporter) {
         Ok(End::Finished) => Outcome::Finished { step: trainer.step() },
         Ok(End::Stopped) => {
@@ -95,10 +98,37 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         Err(error) => Outcome::Failed { step: trainer.step(), reason: error.to_string() },
     };
     let Reporter { recorder, mut out, .. } = reporter;
-    recorder.end(&outcome).map_err(recording)?;
-    checkpoint::clear_replay(folder).map_err(recording)?;
+    recorder.end(&manifest.hash, &outcome).map_err(recording)?;
+    tidy(folder, &outcome).map_err(recording)?;
     send(&mut out, &Event::Ended { outcome: outcome.clone() }).map_err(recording)?;
     Ok(Some(outcome))
+}
+
+/// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try again.
+fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
+    match outcome {
+        Outcome::Finished { .. } => checkpoint::clear_replay(folder),
+        Outcome::Failed { .. } => Ok(()),
+    }
+}
+
+/// Refuses to begin anew over records that a checkpoint must have followed: it was lost, and they would be, too.
+fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
+    /// Evaluations that are recorded before the first checkpoint is saved.
+    const BEFORE_CHECKPOINT: usize = 2;
+    let path = folder.join(layout::RECORDS);
+    let recorded = match std::fs::read_to_string(&path) {
+        Ok(text) => text.lines().count(),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => 0,
+        Err(source) => return Err(HarnessError::Io { path, action: "read this file", source }),
+    };
+    if recorded > BEFORE_CHECKPOINT {
+        let reason = format!(
+            "is missing, though {recorded} evaluations are recorded; delete this run's folder to train it anew"
+        );
+        return Err(HarnessError::Damaged { path: folder.join(checkpoint::CHECKPOINT), reason });
+    }
+    Ok(())
 }
 
 /// What libtorch refuses to shapes that were checked before is memory.

@@ -32,6 +32,7 @@ impl<F: Fn(&str) + Sync> Display for Json<F> {
         let event = match ending {
             Ending::Ended(outcome) => json!(Event::Ended { outcome: outcome.clone() }),
             Ending::Stopped => json!({ "event": "stopped" }),
+            Ending::Taken => json!({ "event": "taken" }),
             Ending::Crashed { reason } => json!({ "event": "crashed", "reason": reason }),
         };
         self.tell(job, event);

@@ -185,6 +185,8 @@ impl Protocol {
             let patch = patch(WrittenPatch { environments, curricula, set }, "variant", index)?;
             variants.push(Variant { label, patch });
         }
+        check_name(&header.name)
+            .map_err(|reason| HarnessError::Protocol { place: document.place(&["name"]), reason })?;
         let base = table.into_iter().filter(|(key, _)| SECTIONS.contains(&key.as_str())).collect();
         let protocol = Self {
             name: header.name,
@@ -234,11 +236,25 @@ impl Protocol {
         self.options.push(layer);
     }
 
+    /// Adds `--device`.
+    pub fn set_device(&mut self, device: &str) {
+        let value = Value::String(device.to_owned());
+        self.set(Layer::from_option(format!("--device {device}"), &["student", "device"], value));
+    }
+
     /// Adds `--steps`.
     pub fn set_steps(&mut self, steps: u64) {
         let value = Value::Integer(i64::try_from(steps).unwrap_or(i64::MAX));
         self.set(Layer::from_option(format!("--steps {steps}"), &["budget", "steps"], value));
     }
+}
+
+/// A name becomes the folder of the results.
+fn check_name(name: &str) -> Result<(), String> {
+    if name.trim().is_empty() || name.starts_with('.') {
+        return Err(format!("`{name}` cannot be a name; give one that can be a folder's"));
+    }
+    Ok(())
 }
 
 /// Labels become folder names.

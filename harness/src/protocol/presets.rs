@@ -32,7 +32,7 @@ pub fn find(name: &str) -> Result<&'static Preset, HarnessError> {
     PRESETS
         .iter()
         .find(|preset| preset.name == name)
-        .ok_or_else(|| HarnessError::unknown("--preset: ", "preset", name, accepted))
+        .ok_or_else(|| HarnessError::unknown("", "preset", name, accepted))
 }
 
 impl Preset {

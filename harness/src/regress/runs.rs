@@ -43,7 +43,7 @@ pub fn carry_out(
         stopper,
         display.as_ref(),
     )?;
-    if endings.contains(&Ending::Stopped) {
+    if endings.iter().any(|ending| matches!(ending, Ending::Stopped | Ending::Taken)) {
         return Ok(Progress::Stopped);
     }
     let crash = jobs.iter().zip(&endings).find_map(|(job, ending)| match ending {
@@ -51,7 +51,7 @@ pub fn carry_out(
             run: job.manifest.run.to_string(),
             reason: format!("crashed: {reason}"),
         }),
-        Ending::Ended(_) | Ending::Stopped => None,
+        Ending::Ended(_) | Ending::Stopped | Ending::Taken => None,
     });
     crash.map_or(Ok(Progress::Ended), Err)
 }

@@ -1,5 +1,6 @@
 //! The folder of one run: what state it is in, and how it is written.
 
+mod checksums;
 mod recorder;
 
 use std::fs::{self, Permissions};
@@ -13,8 +14,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tempfile::NamedTempFile;
 
-use super::manifest::differences;
+use super::checkpoint::CHECKPOINT;
+use super::manifest::{self, differences};
 use crate::error::HarnessError;
+pub use checksums::CHECKSUMS;
 pub use recorder::{Progress, Recorder};
 
 /// What a run's folder holds.
@@ -31,21 +34,64 @@ pub enum State {
 /// Looks at `folder` for the run that `wanted` describes; changes nothing.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, [`HarnessError::Damaged`] if its files
-/// cannot be read.
+/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of another version of
+/// the program; [`HarnessError::Damaged`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
-    let Some(found) = read_json::<Manifest>(&folder.join(layout::MANIFEST))? else {
-        return Ok(State::New);
+    let path = folder.join(layout::MANIFEST);
+    let Some(found) = read_json::<Manifest>(&path)? else {
+        let left = [layout::RECORDS, layout::OUTCOME, CHECKPOINT].into_iter();
+        return match left.map(|name| folder.join(name)).find(|path| path.exists()) {
+            None => Ok(State::New),
+            Some(left) => Err(HarnessError::Damaged {
+                path,
+                reason: format!(
+                    "is missing, though there is {}; delete this run's folder to train it anew",
+                    left.display()
+                ),
+            }),
+        };
     };
-    if found.hash != wanted.hash || found.config != wanted.config {
-        let differences = differences(&found.config, &wanted.config);
-        let differences = if differences.is_empty() { "  its hash or schema".into() } else { differences };
-        return Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences });
+    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
+    if found.run != wanted.run {
+        return Err(damaged(format!("belongs to the run {}, not to {}", found.run, wanted.run)));
     }
-    Ok(match read_json::<Outcome>(&folder.join(layout::OUTCOME))? {
-        Some(outcome) => State::Ended(outcome),
-        None => State::Begun,
-    })
+    let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
+    if found.config != wanted.config {
+        return Err(other(differences(&found.config, &wanted.config)));
+    }
+    manifest::config(&found).map_err(damaged)?;
+    let outcome = outcome(folder, &found)?;
+    if outcome.is_none() && found.versions != wanted.versions {
+        // Going on would mix what two programs computed.
+        let versions = |manifest: &Manifest| serde_json::json!({ "versions": manifest.versions });
+        return Err(other(differences(&versions(&found), &versions(wanted))));
+    }
+    Ok(outcome.map_or(State::Begun, State::Ended))
+}
+
+/// How the run of `manifest` in `folder` ended, its records verified; `None` if it has not.
+///
+/// # Errors
+/// [`HarnessError::Damaged`] if its files are not what they were when it ended.
+pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, HarnessError> {
+    let outcome = read_json::<Outcome>(&folder.join(layout::OUTCOME))?;
+    if outcome.is_some() {
+        checksums::verify(folder, manifest)?;
+    }
+    Ok(outcome)
+}
+
+/// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
+///
+/// # Errors
+/// [`HarnessError::Io`] if its files cannot be removed.
+pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
+    // The outcome first: without it, checksums are not looked at.
+    for name in [layout::OUTCOME, CHECKSUMS] {
+        let path = folder.join(name);
+        fs::remove_file(&path).map_err(HarnessError::io(path, "remove this file"))?;
+    }
+    Ok(())
 }
 
 /// Reads a JSON file; `None` if there is none.
@@ -63,9 +109,10 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, HarnessE
             return Err(HarnessError::Io { path: path.to_owned(), action: "read this file", source });
         }
     };
-    serde_json::from_str(&text)
-        .map(Some)
-        .map_err(|error| HarnessError::Damaged { path: path.to_owned(), reason: error.to_string() })
+    serde_json::from_str(&text).map(Some).map_err(|error| HarnessError::Damaged {
+        path: path.to_owned(),
+        reason: format!("was cut off or altered ({error}); delete the folder that it lies in to begin anew"),
+    })
 }
 
 /// Creates the folder with its manifest.

@@ -47,6 +47,18 @@ pub(crate) fn toy_args<'a>(out: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
     TOY.iter().copied().chain(["--out", out]).chain(more.iter().copied()).collect()
 }
 
+/// Number of TFRecords in `file`: length (8 bytes), its checksum (4), payload, its checksum (4).
+pub(crate) fn tfrecords(file: &Path) -> usize {
+    let bytes = std::fs::read(file).expect("an event file");
+    let (mut rest, mut count) = (bytes.as_slice(), 0);
+    while !rest.is_empty() {
+        let length = u64::from_le_bytes(rest[..8].try_into().expect("8 bytes")) as usize;
+        rest = &rest[length + 16..];
+        count += 1;
+    }
+    count
+}
+
 /// What the program said on standard error.
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

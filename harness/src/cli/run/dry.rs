@@ -36,8 +36,10 @@ pub(super) fn dry_run(
     let wall = (total / parallel as f64).max(longest);
     let time = |seconds: f64| human(Duration::from_secs_f64(seconds));
     print(&format!(
-        "at this machine's speed: {:.1} core-hours, {} with {parallel} runs side by side; longest run {}\n",
+        "at this machine's speed, from their beginning: {:.1} core-hours ({}), {} with {parallel} side by side; longest \
+         run {}\n",
         total / 3600.0,
+        time(total),
         time(wall),
         time(longest),
     ));

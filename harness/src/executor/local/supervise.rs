@@ -3,14 +3,13 @@
 use std::fs::OpenOptions;
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::CommandExt;
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use reports::layout;
 use reports::record::Crash;
 
 use super::Conduct;
-use super::complaints::{Complaints, describe};
+use super::complaints::{self, Listener, describe};
 use crate::executor::event::Event;
 use crate::executor::signals::Stopper;
 use crate::executor::{Ending, Job};
@@ -18,11 +17,16 @@ use crate::progress::Display;
 use crate::run::folder::State;
 
 /// Exit code with which a worker refuses its input: trying again would not help.
-const REFUSED: i32 = 2;
+const REFUSED: i32 = crate::cli::WRONG_INPUT as i32;
+
+/// Exit code with which a worker leaves a run to the process that is carrying it out.
+const TAKEN: i32 = crate::cli::TAKEN as i32;
+
+/// The program that this process was started from, also when another one has been built in its place since.
+const THIS_PROGRAM: &str = "/proc/self/exe";
 
 /// What all jobs share.
 pub(super) struct Supervisor<'a> {
-    pub(super) program: &'a Path,
     pub(super) conduct: Conduct,
     pub(super) stopper: &'a Stopper,
     pub(super) display: &'a dyn Display,
@@ -80,26 +84,22 @@ impl Supervisor<'_> {
     }
 
     fn attempt(&self, job: &Job) -> Attempt {
-        let mut command = Command::new(self.program);
+        let mut command = Command::new(THIS_PROGRAM);
         // A process group of its own: Ctrl-C reaches this process alone, which then tells the workers.
-        command.arg("worker").arg(&job.folder).process_group(0);
+        command.arg0("goalbench").arg("worker").arg(&job.folder).process_group(0);
         if self.conduct.tensorboard {
             command.arg("--tensorboard");
         }
-        let log = Complaints::open(&job.folder).and_then(|log| Ok((log.stdio()?, log)));
-        let (stderr, log) = match log {
-            Ok(log) => log,
-            Err(error) => return Attempt::Crash(format!("{}: {error}", layout::WORKER_LOG)),
-        };
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(stderr);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         match command.spawn() {
-            Ok(child) => self.follow(child, job, log),
+            Ok(child) => self.follow(child, job),
             Err(error) => Attempt::Crash(format!("cannot start a worker: {error}")),
         }
     }
 
-    fn follow(&self, mut child: Child, job: &Job, log: Complaints) -> Attempt {
+    fn follow(&self, mut child: Child, job: &Job) -> Attempt {
         let _registered = self.stopper.register(&child);
+        let listener = Listener::new(child.stderr.take().expect("stderr is piped"));
         let mut last = None;
         for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines() {
             let Ok(line) = line else { break };
@@ -111,9 +111,13 @@ impl Supervisor<'_> {
             }
         }
         let status = child.wait();
-        let complaints = log.close();
+        let complaints = listener.text();
+        if let Err(error) = complaints::keep(&job.folder, &complaints) {
+            self.display.note(&format!("{}: cannot keep what its worker said: {error}", job.manifest.run));
+        }
         match (last, status) {
             (Some(ending), _) => Attempt::Over(ending),
+            (None, Ok(status)) if status.code() == Some(TAKEN) => Attempt::Over(Ending::Taken),
             (None, Ok(status)) if status.code() == Some(REFUSED) => {
                 Attempt::Over(Ending::Crashed { reason: describe(&job.manifest.run, status, &complaints) })
             }

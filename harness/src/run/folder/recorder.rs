@@ -9,9 +9,9 @@ use reports::layout;
 use reports::record::{Outcome, Record, Teaching, Timing};
 use serde::{Deserialize, Serialize};
 
-use super::write_json;
+use super::{checksums, write_json};
 use crate::run::train::Phase;
-use crate::tracking::EventFile;
+use crate::tracking::{EVENTS, EventFile};
 
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -94,7 +94,7 @@ pub struct Recorder {
 
 impl Recorder {
     /// Goes on after `progress`; its default begins anew. Lines written after it are cut off: the run writes them again.
-    /// With `tensorboard` it keeps an event file, too.
+    /// With `tensorboard`, or where there is one already, it keeps an event file, too.
     ///
     /// # Errors
     /// If the files cannot be written, or are not those that `progress` was noted of.
@@ -108,7 +108,9 @@ impl Recorder {
             teaching,
             timing,
             // After the logs are cut to what the checkpoint knows of.
-            events: tensorboard.then(|| EventFile::rewrite(folder)).transpose()?,
+            events: (tensorboard || folder.join(EVENTS).exists())
+                .then(|| EventFile::rewrite(folder))
+                .transpose()?,
             wall_before: progress.wall_s,
             begun: Instant::now(),
             spent: progress.spent,
@@ -168,13 +170,14 @@ impl Recorder {
         }
     }
 
-    /// Ends the run.
+    /// Ends the run with manifest hash `run`.
     ///
     /// # Errors
     /// If the outcome cannot be written.
-    pub fn end(self, outcome: &Outcome) -> std::io::Result<()> {
+    pub fn end(self, run: &str, outcome: &Outcome) -> std::io::Result<()> {
         self.records.file.sync_all()?;
         self.teaching.file.sync_all()?;
+        checksums::write(&self.folder, run)?;
         write_json(&self.folder.join(layout::OUTCOME), outcome)
     }
 }
