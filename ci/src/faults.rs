@@ -37,7 +37,10 @@ pub(crate) fn faults(project: &Path, baseline: &Path, names: &[String], extra: &
     let chosen = choose(names)?;
     let built = env::var_os("CARGO_TARGET_DIR").map_or_else(|| project.join("target"), PathBuf::from);
     // On the file system of what is linked.
-    let home = tempfile::tempdir_in(&built).map_err(doing("create a folder in", &built))?;
+    let home = tempfile::Builder::new()
+        .prefix("faults-")
+        .tempdir_in(&built)
+        .map_err(doing("create a folder in", &built))?;
     step("faults", &format!("copying the project to {}", home.path().display()));
     let scratch = Scratch::make(project, &built, home.path())?;
     let reports = built.join("faults");
