@@ -1,7 +1,7 @@
 //! The command line.
 //!
-//! Exit codes: 0 all is well; 1 a run failed, or the report found damaged records; 2 wrong input, nothing was done;
-//! 3 stopped by a signal, to be gone on with.
+//! Exit codes: 0 all is well; 1 a run failed, a check found that something fell, or the report found damaged records; 2 wrong
+//! input, nothing was done; 3 stopped by a signal, to be gone on with.
 
 mod list;
 mod merge;
