@@ -7,6 +7,7 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::sync::LazyLock;
 
 use reports::layout;
 use serde_json::Value;
@@ -26,14 +27,39 @@ student = { batch = 16, width = 8, updates_per_cycle = 2 }
 /// A folder with the protocol, its runs, and a baseline that checks compare three seeds with.
 struct Home(tempfile::TempDir);
 
+/// The files of such a folder, which every test changes in its own way.
+static RECORDED: LazyLock<Vec<(PathBuf, Vec<u8>)>> = LazyLock::new(|| {
+    let home = Home(tempfile::tempdir().expect("a temporary folder"));
+    fs::write(home.path("protocol.toml"), PROTOCOL).expect("the protocol can be written");
+    let output = home.run(
+        "record --protocol P --seeds 0..6 --check-seeds 0..3 --alpha 0.05 --window 1 --keep R --out B --jobs 2",
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut files = Vec::new();
+    read_all(home.0.path(), Path::new(""), &mut files);
+    files
+});
+
+/// The files in the folder `below` of `root`, by their paths in `root`.
+fn read_all(root: &Path, below: &Path, files: &mut Vec<(PathBuf, Vec<u8>)>) {
+    for entry in fs::read_dir(root.join(below)).expect("a folder") {
+        let path = below.join(entry.expect("an entry").file_name());
+        if root.join(&path).is_dir() {
+            read_all(root, &path, files);
+        } else {
+            files.push((path.clone(), fs::read(root.join(&path)).expect("a file")));
+        }
+    }
+}
+
 impl Home {
     fn new() -> Self {
         let home = Self(tempfile::tempdir().expect("a temporary folder"));
-        fs::write(home.path("protocol.toml"), PROTOCOL).expect("the protocol can be written");
-        let output = home.run(
-            "record --protocol P --seeds 0..6 --check-seeds 0..3 --alpha 0.05 --window 1 --keep R --out B",
-        );
-        assert!(output.status.success(), "{}", stderr(&output));
+        for (path, bytes) in RECORDED.iter() {
+            let path = home.0.path().join(path);
+            fs::create_dir_all(path.parent().expect("a file lies in a folder")).expect("a folder");
+            fs::write(path, bytes).expect("a file");
+        }
         home
     }
 
