@@ -36,7 +36,8 @@ pub struct Lesson<'a> {
 pub struct Setting {
     /// Dimensions of the task.
     pub spec: Spec,
-    /// N goals drawn once from the environment's own distribution, shared by all curricula of one seed.
+    /// N goals drawn once from the environment's own distribution, shared by all curricula of one seed. Empty for
+    /// methods that do not use it ([`Method::USES_POOL`](crate::Method::USES_POOL)): `her-iid` and `vds`.
     pub pool: Arc<Goals>,
     /// The run's seed, for teachers with networks of their own.
     pub seed: u64,

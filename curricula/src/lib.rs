@@ -1,8 +1,9 @@
 //! The teachers: automatic curricula over goals.
 //!
 //! [`Curriculum`] is what a teacher does during a run, [`Method`] what it is as an entry of a table, and
-//! [`CURRICULA`] the table of those that come with this crate. A new teacher is one file, declared in [`methods`], and
-//! one row of the table; outside this workspace it is the same file and an [`Entry`] made from it.
+//! [`CURRICULA`] the table of those that come with this crate. A new teacher is one file,
+//! its `pub mod` line in [`methods`] and one row of the table; outside this workspace it is the same file and an [`Entry`]
+//! made from it.
 //!
 //! The other modules are what teachers have in common: a [`Probe`] asks the student for its confidence, a
 //! [`Window`] remembers the answers, a [`Distribution`] over goals comes of them (both are a [`PoolState`]), and
@@ -25,5 +26,5 @@ pub use error::CurriculumError;
 pub use pool_state::PoolState;
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
 pub use registry::{Build, CURRICULA, Entry, Method};
-pub use variance::{ROUNDING, population_variance};
+pub use variance::{ROUNDING, population_variance, rounding};
 pub use window::Window;

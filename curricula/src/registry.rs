@@ -6,16 +6,16 @@ use toml::Table;
 
 use crate::curriculum::{Curriculum, Setting};
 use crate::error::CurriculumError;
-use crate::methods::{her_iid, her_iid_pool, procurl, space, teach, vds};
+use crate::methods;
 
-/// Every teacher that comes with this crate. A new one is a file in `methods` and a row here.
+/// Every teacher that comes with this crate. A new one is a file in [`methods`], its `pub mod` line there and a row here.
 pub const CURRICULA: &[Entry] = &[
-    Entry::of::<teach::Teach>(),
-    Entry::of::<her_iid::HerIid>(),
-    Entry::of::<her_iid_pool::HerIidPool>(),
-    Entry::of::<vds::Vds>(),
-    Entry::of::<space::Space>(),
-    Entry::of::<procurl::ProCurl>(),
+    Entry::of::<methods::teach::Teach>(),
+    Entry::of::<methods::her_iid::HerIid>(),
+    Entry::of::<methods::her_iid_pool::HerIidPool>(),
+    Entry::of::<methods::vds::Vds>(),
+    Entry::of::<methods::space::Space>(),
+    Entry::of::<methods::procurl::ProCurl>(),
 ];
 
 /// A teaching method: what makes a row of the table.
@@ -23,9 +23,11 @@ pub trait Method {
     /// Its options. The config's own doc comments give each field's range and source. Use
     /// `#[serde(default, deny_unknown_fields)]`, so that users may leave fields out but not misspell them.
     type Config: Serialize + DeserializeOwned + Default;
-    /// Short name on the command line, in configs and in run folders: lower case with hyphens.
+    /// Short name on the command line, in configs and in run folders: lower case with hyphens. In this workspace it is the
+    /// name of the method's file with hyphens for underscores.
     const ID: &'static str;
-    /// Name in figures and tables.
+    /// Name in `goalbench list`. Figures and tables take theirs, with colour and order, from `reports::methods`, and show
+    /// a method that has no row there by its id.
     const TITLE: &'static str;
     /// The paper, in one line.
     const SOURCE: &'static str;

@@ -6,6 +6,15 @@
 /// numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
 pub const ROUNDING: f64 = 3e-6;
 
+/// −1/(1−γ) that [`ROUNDING`] is meant for.
+const LONGEST: f64 = -100.0;
+
+/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's horizons, and in
+/// proportion beyond them, as the spacing of numbers grows.
+pub fn rounding(lowest: f64) -> f64 {
+    ROUNDING * (lowest / LONGEST).max(1.0)
+}
+
 /// Population variance, (1/n) Σ (x − mean)², of `values`; 0 for fewer than two.
 ///
 /// Deviations are taken from the first value, so that equal values give exactly 0 and a common offset costs no
@@ -37,6 +46,13 @@ mod tests {
         assert_eq!(population_variance([1.0, 3.0, 5.0]), 8.0 / 3.0);
         assert_eq!(population_variance([-7.5]), 0.0);
         assert_eq!(population_variance([]), 0.0);
+    }
+
+    #[test]
+    fn rounding_grows_with_values_beyond_the_papers() {
+        assert_eq!([-1.0, -50.0, -100.0].map(rounding), [3e-6; 3]);
+        // Numbers near -400 are four times as far apart as those near -100.
+        assert_eq!(rounding(-400.0), 1.2e-5);
     }
 
     #[test]

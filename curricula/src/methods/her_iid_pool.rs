@@ -27,7 +27,7 @@ pub struct HerIidPool {
 impl Method for HerIidPool {
     type Config = HerIidPoolConfig;
     const ID: &'static str = "her-iid-pool";
-    const TITLE: &'static str = "HER-IID (pool)";
+    const TITLE: &'static str = "HER-IID-pool";
     const SOURCE: &'static str = "Control of this benchmark: HER-IID over a fixed pool of goals";
     const USES_POOL: bool = true;
 

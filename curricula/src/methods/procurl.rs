@@ -12,10 +12,12 @@
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' PPO.
 //! - Vmin and Vmax are the bounds of a value under the sparse reward, −1/(1−γ) and 0 (`fixed`); the authors' code
 //!   divides by a known best return instead, or takes smallest and largest value over all tasks (`adaptive`).
-//!   If under `adaptive` all values are equal, no goal is known to be easier than another, and all get p = 0:
-//!   a uniform draw.
+//!   If under `adaptive` all values are equal to within rounding ([`FLAT`]), no goal is known to be easier than another,
+//!   and all get p = 0: a uniform draw.
 //! - Scores are renewed whenever the networks have changed; the authors' code does so every few thousand steps.
 //! - TEACH describes the score as the geometric mean √(p(1 − p)). Its largest goal is the same; `argmax` gives it.
+//! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
+//!   [`her_iid_pool`](super::her_iid_pool).
 
 use std::sync::Arc;
 
@@ -30,6 +32,11 @@ use crate::pool_state::PoolState;
 use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
+use crate::variance::rounding;
+
+/// Under `adaptive`, a pool whose values span no more than this many standard deviations of their rounding
+/// ([`rounding`]) is flat: about three neighbouring numbers of single precision.
+pub const FLAT: f64 = 8.0;
 
 /// Version of the state in saved bytes.
 const VERSION: u32 = 1;
@@ -93,7 +100,7 @@ impl ProCurlConfig {
     }
 }
 
-/// p = clip((value − min) / (max − min), 0, 1), in [0, 1]; 0 where `min` and `max` are the same.
+/// p = clip((value − min) / (max − min), 0, 1), in [0, 1]; 0 where `max` is not above `min`.
 pub fn success_probability(value: f64, min: f64, max: f64) -> f64 {
     if max > min { ((value - min) / (max - min)).clamp(0.0, 1.0) } else { 0.0 }
 }
@@ -137,11 +144,7 @@ impl ProCurlConfig {
     fn curriculum(&self, confidence: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
         let (min, max) = match self.bounds {
             Bounds::Fixed => (lowest, 0.0),
-            Bounds::Adaptive => {
-                confidence.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &value| {
-                    (min.min(value), max.max(value))
-                })
-            }
+            Bounds::Adaptive => extremes(confidence, FLAT * rounding(lowest)),
         };
         let scores: Vec<f64> =
             confidence.iter().map(|&value| proximity(success_probability(value, min, max))).collect();
@@ -150,6 +153,13 @@ impl ProCurlConfig {
             Selection::Argmax => Distribution::argmax(&scores, "proximity"),
         }
     }
+}
+
+/// The smallest and the largest of `values`; the smallest twice if they are at most `flat` apart.
+fn extremes(values: &[f64], flat: f64) -> (f64, f64) {
+    let min = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if max - min > flat { (min, max) } else { (min, min) }
 }
 
 impl Curriculum for ProCurl {

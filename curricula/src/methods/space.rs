@@ -22,6 +22,8 @@
 //!   negative values of this benchmark's reward, and at the first update by 0: all goals are then equal. Here that
 //!   first update ranks like `signed`. Later, a goal that declines from exactly 0 ranks last.
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' TRPO and PPO.
+//! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
+//!   [`her_iid_pool`](super::her_iid_pool).
 
 use std::sync::Arc;
 
@@ -255,6 +257,8 @@ mod tests {
         // 10 % of the last mean, not of the new one: 1.05 > 1, though 1.05 < 0.1 * 11.05.
         assert!(!stagnates(-11.05, -10.0, 0.1));
         assert!(stagnates(0.0, 0.0, 0.1));
+        // Sizes are compared, so a mean that only changes its sign stands still.
+        assert!(stagnates(10.0, -10.0, 0.1) && stagnates(-10.0, 10.0, 0.1));
     }
 
     #[test]

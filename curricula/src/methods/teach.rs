@@ -21,6 +21,8 @@
 //!   replayed states (`states`).
 //! - Equations say "in proportion to K", section 5.2 says "the goal with the highest variance": `selection`.
 //!   With `argmax`, ties are drawn evenly.
+//! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
+//!   [`her_iid_pool`](super::her_iid_pool).
 
 use std::sync::Arc;
 
@@ -35,7 +37,7 @@ use crate::pool_state::PoolState;
 use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
-use crate::variance::ROUNDING;
+use crate::variance::rounding;
 use crate::window::Window;
 
 /// Version of [`State`] in saved bytes.
@@ -132,10 +134,10 @@ impl Method for Teach {
     }
 }
 
-/// K: in proportion to each goal's variance over the window, or all on the largest.
-fn curriculum(window: &Window, selection: Selection) -> Result<Distribution, CurriculumError> {
-    let proportional =
-        Distribution::proportional(&window.variance(), ROUNDING * ROUNDING, "temporal variance")?;
+/// K: in proportion to each goal's variance over the window, or all on the largest. `lowest` is −1/(1−γ).
+fn curriculum(window: &Window, selection: Selection, lowest: f64) -> Result<Distribution, CurriculumError> {
+    let negligible = rounding(lowest).powi(2);
+    let proportional = Distribution::proportional(&window.variance(), negligible, "temporal variance")?;
     match selection {
         Selection::Proportional => Ok(proportional),
         Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
@@ -152,7 +154,8 @@ impl Curriculum for Teach {
             state.due = answer == Answer::NoStates;
             if let Answer::Confidence(confidence) = answer {
                 state.window.push(confidence);
-                state.common.curriculum = curriculum(&state.window, self.config.selection)?;
+                let lowest = lesson.student.lowest_value();
+                state.common.curriculum = curriculum(&state.window, self.config.selection, lowest)?;
             }
         }
         Ok(Proposal::Pool(state.common.curriculum.draw(lesson.rng)))

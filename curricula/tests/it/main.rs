@@ -1,6 +1,7 @@
 //! Tests of the teachers through their public interface.
 
 mod contract;
+mod disagreement;
 mod distribution;
 mod her_iid;
 mod probe;

@@ -39,10 +39,22 @@ fn adaptive_bounds_are_those_of_the_pool() {
     // p = 0, 1/2, 1: exp(20/4) = e^5 for the middle one.
     let total = 2.0 + 5f64.exp();
     assert!(close(&class.weights(), &[1.0 / total, 5f64.exp() / total, 1.0 / total]));
+}
 
-    let mut flat = Class::new("procurl", "bounds = \"adaptive\"", 3, |_, _| -7.0);
-    flat.propose_index();
-    assert!(close(&flat.weights(), &[1.0 / 3.0; 3]));
+#[test]
+fn adaptive_bounds_do_not_stretch_rounding() {
+    let weights_of = |script| {
+        let mut class = Class::new("procurl", "bounds = \"adaptive\"", 3, script);
+        class.propose_index();
+        class.weights()
+    };
+    assert!(close(&weights_of(|_, _| -7.0), &[1.0 / 3.0; 3]));
+    // Neighbouring numbers of single precision near -50, 2^-18 = 3.8e-6 apart.
+    let neighbours = |goal, _| -50.0 + goal as f64 * 2f64.powi(-18);
+    assert!(close(&weights_of(neighbours), &[1.0 / 3.0; 3]));
+    // Ten thousandths are more than that: the middle goal is halfway, as above.
+    let apart = weights_of(|goal, _| -50.0 + goal as f64 * 1e-3);
+    assert!((apart[1] / apart[0] - 5f64.exp()).abs() < 1e-6, "{apart:?}");
 }
 
 #[test]

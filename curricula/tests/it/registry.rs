@@ -6,7 +6,7 @@ use curricula::{CURRICULA, Curriculum, CurriculumError, Entry, Lesson, Method, P
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::support::Class;
+use crate::support::{Class, entry};
 
 #[test]
 fn every_file_of_methods_has_its_row() {
@@ -60,7 +60,7 @@ fn a_value_of_another_type_is_named_with_its_field() {
 
 #[test]
 fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
-    let cases: [(&str, &str, Value, &str); 20] = [
+    let cases: [(&str, &str, Value, &str); 28] = [
         ("teach", "window", 1.into(), "at least 2"),
         ("teach", "window", (-1).into(), "invalid value"),
         ("teach", "interplay", 0.into(), "at least 1"),
@@ -70,23 +70,56 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
         ("teach", "confidence", "both".into(), "expected `online` or `target`"),
         ("space", "eta", (-0.1).into(), "at least 0"),
         ("space", "eta", f64::NAN.into(), "finite"),
+        ("space", "eta", f64::INFINITY.into(), "finite"),
         ("space", "kappa", 0.into(), "at least 1"),
         ("space", "order", "random".into(), "expected one of `signed`, `absolute`, `relative`"),
         ("procurl", "beta", f64::INFINITY.into(), "finite"),
+        ("procurl", "beta", (-1.0).into(), "at least 0"),
         ("procurl", "bounds", "loose".into(), "expected `fixed` or `adaptive`"),
         ("vds", "members", 1.into(), "in 2..=64"),
+        ("vds", "members", 65.into(), "in 2..=64"),
         ("vds", "candidates", 0.into(), "in 1..=100000"),
+        ("vds", "candidates", 100_001.into(), "in 1..=100000"),
         ("vds", "updates_per_cycle", 0.into(), "at least 1"),
         ("vds", "batch", 0.into(), "\"auto\" or in 1..=65536"),
+        ("vds", "batch", 65_537.into(), "\"auto\" or in 1..=65536"),
         ("vds", "batch", "own".into(), "a number or \"auto\""),
         ("vds", "learning_rate", 0.0.into(), "positive"),
+        ("vds", "learning_rate", f64::INFINITY.into(), "finite"),
+        ("vds", "learning_rate", f64::NAN.into(), "positive and finite"),
         ("vds", "polyak", 1.5.into(), "\"auto\" or in [0, 1]"),
+        ("vds", "polyak", (-0.1).into(), "\"auto\" or in [0, 1]"),
     ];
     for (id, field, value, accepted) in cases {
-        let entry = CURRICULA.iter().find(|entry| entry.id == id).unwrap();
-        let (named, reason) = refusal(entry, field, value);
+        let (named, reason) = refusal(entry(id), field, value);
         assert_eq!(named, field);
         assert!(reason.contains(accepted), "{id}.{field}: {reason}");
+    }
+}
+
+#[test]
+fn the_ends_of_every_range_are_accepted() {
+    let cases: [(&str, &str, &[Value]); 13] = [
+        ("teach", "window", &[2.into()]),
+        ("teach", "interplay", &[1.into()]),
+        ("teach", "replay_states", &[1.into(), 1024.into()]),
+        ("space", "eta", &[0.0.into(), f64::MAX.into()]),
+        ("space", "kappa", &[1.into(), i64::MAX.into()]),
+        ("space", "replay_states", &[1.into(), 1024.into()]),
+        ("procurl", "beta", &[0.0.into(), f64::MAX.into()]),
+        ("procurl", "replay_states", &[1.into(), 1024.into()]),
+        ("vds", "members", &[2.into(), 64.into()]),
+        ("vds", "candidates", &[1.into(), 100_000.into()]),
+        ("vds", "updates_per_cycle", &[1.into()]),
+        ("vds", "batch", &[1.into(), 65_536.into(), "auto".into()]),
+        ("vds", "polyak", &[0.0.into(), 1.0.into(), "auto".into()]),
+    ];
+    for (id, field, values) in cases {
+        for value in values {
+            let written = Table::from_iter([(field.to_owned(), value.clone())]);
+            let resolved = (entry(id).resolve)(written).unwrap_or_else(|error| panic!("{id}: {error}"));
+            assert_eq!(&resolved[field], value, "{id}.{field}");
+        }
     }
 }
 
@@ -94,8 +127,7 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
 fn a_config_is_checked_where_a_teacher_is_built_too() {
     let setting = Class::new("teach", "", 4, |_, _| 0.0).setting;
     for (id, written) in [("teach", "window = 1"), ("vds", "members = 1"), ("space", "kapa = 2")] {
-        let entry = CURRICULA.iter().find(|entry| entry.id == id).unwrap();
-        let built = (entry.build)(&written.parse().unwrap(), &setting);
+        let built = (entry(id).build)(&written.parse().unwrap(), &setting);
         assert!(matches!(built.err(), Some(CurriculumError::Config { .. })), "{id}: {written}");
     }
 }

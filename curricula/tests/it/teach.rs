@@ -72,13 +72,16 @@ fn values_that_move_by_rounding_alone_stand_still() {
     // Single precision near -50 comes in steps of 2^-18 = 3.8e-6; a goal that swings by half of it has the variance
     // (1.9e-6)² = 3.6e-12, and one that swings by 1e-4 the variance 1e-8.
     let rounding = |goal: usize, steps: u64| -50.0 + (steps % 2) as f64 * [3.8e-6, 0.0][goal];
-    let mut class = Class::new("teach", "", 2, rounding);
-    class.cycles(8);
-    assert_eq!(class.weights(), [0.5; 2]);
     let more = |goal: usize, steps: u64| -50.0 + (steps % 2) as f64 * [2e-4, 0.0][goal];
-    let mut class = Class::new("teach", "", 2, more);
-    class.cycles(8);
-    assert_eq!(class.weights(), [1.0, 0.0]);
+    for selection in ["proportional", "argmax"] {
+        let weights_of = |script| {
+            let mut class = Class::new("teach", &format!("selection = \"{selection}\""), 2, script);
+            class.cycles(8);
+            class.weights()
+        };
+        assert_eq!(weights_of(rounding), [0.5; 2], "{selection}");
+        assert_eq!(weights_of(more), [1.0, 0.0], "{selection}");
+    }
 }
 
 #[test]
