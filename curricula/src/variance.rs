@@ -6,13 +6,14 @@
 /// numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
 pub const ROUNDING: f64 = 3e-6;
 
-/// −1/(1−γ) that [`ROUNDING`] is meant for.
-const LONGEST: f64 = -100.0;
+/// From here to its double, numbers of single precision are as far apart as [`ROUNDING`] takes them to be.
+const BINADE: f64 = -64.0;
 
-/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's horizons, and in
-/// proportion beyond them, as the spacing of numbers grows.
+/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's horizons, and
+/// doubled beyond them with every doubling of the spacing of numbers there, at −128, −256 and so on.
 pub fn rounding(lowest: f64) -> f64 {
-    ROUNDING * (lowest / LONGEST).max(1.0)
+    // No less for shorter horizons: a difference of 3e-6 in value is nothing there, either.
+    ROUNDING * (lowest / BINADE).log2().floor().exp2().max(1.0)
 }
 
 /// Population variance, (1/n) Σ (x − mean)², of `values`; 0 for fewer than two.
@@ -51,8 +52,13 @@ mod tests {
     #[test]
     fn rounding_grows_with_values_beyond_the_papers() {
         assert_eq!([-1.0, -50.0, -100.0].map(rounding), [3e-6; 3]);
-        // Numbers near -400 are four times as far apart as those near -100.
-        assert_eq!(rounding(-400.0), 1.2e-5);
+        // Numbers near -200 are twice and those near -400 four times as far apart as those near -100.
+        assert_eq!([-200.0, -400.0].map(rounding), [6e-6, 1.2e-5]);
+        // Rounding to numbers so far apart has a standard deviation of their spacing over √12.
+        for lowest in [1.0f32, 50.0, 100.0, 127.0, 129.0, 255.0, 257.0, 1000.0] {
+            let spacing = f64::from(lowest.next_up() - lowest);
+            assert!(rounding(f64::from(-lowest)) > spacing / 12f64.sqrt(), "{lowest}");
+        }
     }
 
     #[test]

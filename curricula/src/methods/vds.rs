@@ -18,9 +18,8 @@
 //! - Before it has learned, the ensemble's initial weights disagree by chance; like the authors' code this does not
 //!   wait for it to learn.
 //! - Next and candidate actions come from the online policy, as in the authors' code.
-//! - Where the members' values differ by rounding alone, the draw is uniform under `std`, `var` and `tanh`, in place of one
-//!   in proportion to rounding ([`Disagreement::negligible`]); the authors' code divides by any sum. `exp` weighs agreement
-//!   with 1, so there it is uniform by itself.
+//! - Where the members' values differ by rounding alone, the draw under `std`, `var` and `tanh` is uniform, in place of one
+//!   in proportion to rounding ([`Disagreement::negligible`]). `exp` gives agreement the weight 1, so there it needs no rule.
 //! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is an error.
 //! - Inputs are normalised by the states and goals of the transitions as they came, without hindsight. The authors'
 //!   code draws as many transitions of each episode with replacement; here every one counts once.
