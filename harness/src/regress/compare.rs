@@ -160,13 +160,13 @@ pub fn check_seeds(now: usize, before: usize, tests: usize, alpha: f64) -> Resul
     let lowest = tests as f64 / splits;
     if now == 0 || lowest > alpha {
         return wrong(format!(
-            "with {now} seeds against {before} of the baseline no fall can be significant: the lowest p-value is 1 in \
+            "{now} now against {before} in the baseline: no fall can be significant, since the lowest p-value is 1 in \
              {splits}, corrected for {tests} tests {lowest:.2}, above alpha = {alpha}; take more seeds, or fewer cells"
         ));
     }
     if splits > MOST_PERMUTATIONS {
         return wrong(format!(
-            "{now} seeds against {before} of the baseline can be split in {splits:.0e} ways, too many for an exact test; take \
+            "{now} now and {before} in the baseline can be split in {splits:.0e} ways, too many for an exact test; take \
              fewer of them"
         ));
     }

@@ -81,7 +81,7 @@ impl Check<'_> {
     pub fn method(&self) -> String {
         let Comparison { settings: s, seeds_before, seeds_now, tests, .. } = self.comparison;
         format!(
-            "{} seeds against {} of the baseline. A group of runs fell where its mean over seeds is lower by {} or more and p <= {}: \
+            "Seeds: {} now, {} in the baseline. A group of runs fell where its mean over seeds is lower by {} or more and p <= {}: \
              exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean of the last \
              {} evaluations. Effective goals, exp(entropy) of the teacher's choice: two-sided, a change of {} % or more.",
             seeds_now.len(),
