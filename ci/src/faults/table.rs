@@ -81,10 +81,11 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "teach-inverted",
         title: "TEACH weighs goals by how little they change",
         file: "curricula/src/methods/teach.rs",
-        original: "    let proportional =\n        Distribution::proportional(&window.variance(), ",
-        faulty: "    let most = window.variance().into_iter().fold(0.0, f64::max);\n    \
-                 let inverted: Vec<f64> = window.variance().iter().map(|variance| most - variance).collect();\n    \
-                 let proportional =\n        Distribution::proportional(&inverted, ",
+        original: "Distribution::proportional(&window.variance(), ",
+        faulty: "Distribution::proportional(&{\n        \
+                 let variance = window.variance();\n        \
+                 let most = variance.iter().copied().fold(0.0, f64::max);\n        \
+                 variance.iter().map(|one| most - one).collect::<Vec<f64>>()\n    }, ",
         shows: true,
     },
     Fault {
