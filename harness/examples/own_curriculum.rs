@@ -99,7 +99,7 @@ impl Curriculum for Nearest {
         order.sort_by(|&a, &b| {
             distance(self.pool.row(a), start).total_cmp(&distance(self.pool.row(b), start))
         });
-        let within = ((self.state.share * order.len() as f64) as usize).clamp(1, order.len());
+        let within = ((self.state.share * order.len() as f64).round() as usize).clamp(1, order.len());
         self.state.curriculum = Distribution::uniform_over(&order[..within], order.len());
         Ok(Proposal::Pool(self.state.curriculum.draw(lesson.rng)))
     }

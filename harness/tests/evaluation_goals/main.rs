@@ -76,15 +76,15 @@ fn run(entry: &'static Entry, own: &[&str], evaluation: [&str; 2]) -> Notes {
 
 /// Every teacher with the configs in which it is handed something else.
 fn teachers() -> Vec<(&'static Entry, Vec<&'static str>)> {
-    let has = |entry: &Entry, field| (entry.defaults)().contains_key(field);
+    let has = |entry: &Entry, field: &str| (entry.defaults)().contains_key(field);
     let mut all = Vec::new();
     for entry in CURRICULA {
-        let small = if has(entry, "candidates") {
-            vec!["curriculum.watched.candidates=20", "curriculum.watched.updates_per_cycle=4"]
-        } else {
-            Vec::new()
-        };
-        all.push((entry, small));
+        let small = [
+            ("candidates", "curriculum.watched.candidates=20"),
+            ("updates_per_cycle", "curriculum.watched.updates_per_cycle=4"),
+        ];
+        let small = small.into_iter().filter(|(field, _)| has(entry, field)).map(|(_, set)| set);
+        all.push((entry, small.collect()));
         if has(entry, "states") {
             all.push((entry, vec!["curriculum.watched.states=replay"]));
         }

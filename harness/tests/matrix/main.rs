@@ -6,6 +6,7 @@ mod goal_space;
 #[path = "../support/mod.rs"]
 mod support;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -60,6 +61,7 @@ fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     run_all(&curricula, folder.path());
 
+    let documented = documented_statistics();
     let environments = envs::suite("paper").expect("the paper's suite");
     assert_eq!(environments.len(), 11);
     for environment in environments {
@@ -79,8 +81,18 @@ fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
             for goal in goals {
                 assert!(space.contains(goal), "{key}: {goal:?} is no goal of this environment");
             }
-            let mut evaluations = lines::<Record>(&run, layout::RECORDS).into_iter().zip(&teaching);
-            assert!(evaluations.all(|(record, line)| told(&record, line, entry.uses_pool)), "{key}");
+            let records: Vec<Record> = lines(&run, layout::RECORDS);
+            assert!(
+                records.len() >= 3 && records.len() == teaching.len(),
+                "{key}: {} evaluations",
+                records.len()
+            );
+            for (record, line) in records.iter().zip(&teaching) {
+                assert!(told(record, line, entry.uses_pool), "{key}: {record:?}, {line:?}");
+                let names: BTreeSet<&str> = record.teacher.keys().map(String::as_str).collect();
+                let expected = documented.get(entry.id).cloned().unwrap_or_default();
+                assert_eq!(names, expected, "{key}: the page has other numbers");
+            }
         }
     }
 }
@@ -100,5 +112,30 @@ fn told(record: &Record, teaching: &Teaching, uses_pool: bool) -> bool {
         }
         // The untrained student has not been taught yet.
         None => !uses_pool && (record.curriculum != "vds" || record.eval_index == 0 || spread(10)),
+    }
+}
+
+/// What the page says that each curriculum records: the names in the first column, by those in the second.
+fn documented_statistics() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
+    let page = include_str!("../../docs/curricula.md");
+    let (_, rest) = page.split_once("### The numbers in `teacher`").expect("the section");
+    let (section, _) = rest.split_once("\n### ").expect("the next section");
+    let names = |cell: &'static str| cell.split('`').skip(1).step_by(2);
+    let mut documented: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+    for line in section.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = line.split('|').collect();
+        for curriculum in names(cells[2]) {
+            documented.entry(curriculum).or_default().extend(names(cells[1]));
+        }
+    }
+    documented
+}
+
+#[test]
+fn lists_and_figures_call_a_curriculum_the_same() {
+    let registry = Registry::builtin();
+    for method in reports::methods::METHODS {
+        let entry = registry.curriculum(method.id).expect("figures know the curricula that there are");
+        assert_eq!(entry.title, method.title, "{}", method.id);
     }
 }
