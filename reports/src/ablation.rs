@@ -17,6 +17,8 @@ pub struct Axis {
     pub title: &'static str,
     /// What stands before a value: `n = 3`.
     pub symbol: &'static str,
+    /// The paper's own value as text, which the others are compared with.
+    pub reference: &'static str,
 }
 
 /// Whose confidence the teacher asks.
@@ -26,6 +28,7 @@ pub static CONFIDENCE: Axis = Axis {
     pointer: "/curriculum/teach/confidence",
     title: "confidence of online or of target networks",
     symbol: "confidence",
+    reference: "online",
 };
 
 /// How many evaluations of the pool a variance is taken over.
@@ -35,6 +38,7 @@ pub static WINDOW: Axis = Axis {
     pointer: "/curriculum/teach/window",
     title: "temporal window n",
     symbol: "n",
+    reference: "10",
 };
 
 /// How many episodes pass between evaluations of the pool.
@@ -44,6 +48,7 @@ pub static INTERPLAY: Axis = Axis {
     pointer: "/curriculum/teach/interplay",
     title: "interplay frequency Δ",
     symbol: "Δ",
+    reference: "1",
 };
 
 /// Figures 3 to 5 of the paper.
@@ -70,8 +75,13 @@ pub struct Level<'a> {
 impl Level<'_> {
     /// The value as text, without quotes.
     pub fn text(&self) -> String {
-        self.value.as_str().map_or_else(|| self.value.to_string(), str::to_owned)
+        text(self.value)
     }
+}
+
+/// A value as text, without quotes.
+pub fn text(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// All ablations along `axis`, by environment; `groups` come in order.

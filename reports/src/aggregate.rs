@@ -9,15 +9,32 @@ pub const TARGET: f64 = 1.0;
 /// Thresholds of performance profiles: 0, 0.025, ... 1.
 const PROFILE_INTERVALS: u32 = 40;
 
-/// The environments in which every method of a report has results, and the final scores there.
+/// Methods and the environments in which all of them have results, with the final scores there.
 ///
-/// Only there can methods be compared: a method that was run on easy environments alone would look good.
+/// Only there can methods be compared: a method that was run on easy environments alone would look good. A method that
+/// was run in few environments would leave few to all others; see [`Shared::of`] for when it is left out instead.
 #[derive(Clone, Debug)]
 pub struct Shared<'a> {
     /// Environment ids, in order.
     pub environments: Vec<&'a str>,
-    /// Every method with its final scores, one stratum per environment. The key's environment means nothing.
+    /// Methods that lack so many environments that they are left out. The keys' environment means nothing.
+    pub left_out: Vec<&'a GroupKey>,
+    /// Every other method with its final scores, one stratum per environment. The key's environment means nothing.
     methods: Vec<(&'a GroupKey, Vec<Vec<f64>>)>,
+}
+
+/// Methods are summed up over at least this many environments where that can be had.
+pub const FEWEST_SHARED: usize = 2;
+
+/// The final scores of a method in an environment.
+pub(crate) fn finals_of<'a>(
+    finals: &[&'a Finals],
+    environment: &str,
+    method: &GroupKey,
+) -> Option<&'a Finals> {
+    let is_it =
+        |finals: &&&Finals| finals.key.environment == environment && finals.key.cmp_method(method).is_eq();
+    finals.iter().find(is_it).copied()
 }
 
 /// A method over the shared environments.
@@ -53,26 +70,42 @@ pub struct Profile<'a> {
 }
 
 impl<'a> Shared<'a> {
-    /// Finds what the methods share; `finals` come sorted by key.
+    /// Finds what the methods share; `finals` come sorted by key, those without scores count as absent.
+    ///
+    /// Methods are ranked by the number of their environments. Of all ways to keep the first k of them, k at least 2, the
+    /// one with the most scores is taken (methods times the environments that all k have), among those that share
+    /// [`FEWEST_SHARED`] environments if there is one; of equals the one with more methods.
     pub fn of(finals: impl IntoIterator<Item = &'a Finals>) -> Self {
-        let finals: Vec<&'a Finals> = finals.into_iter().collect();
+        let finals: Vec<&'a Finals> =
+            finals.into_iter().filter(|finals| !finals.by_seed.is_empty()).collect();
         let mut methods: Vec<&GroupKey> = finals.iter().map(|finals| &finals.key).collect();
         methods.sort_by(|a, b| a.cmp_method(b));
         methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
-        let find = |environment: &str, method: &GroupKey| {
-            let is_it =
-                |f: &&&'a Finals| f.key.environment == environment && f.key.cmp_method(method).is_eq();
-            finals.iter().find(is_it).copied()
-        };
         let mut environments: Vec<&str> =
             finals.iter().map(|finals| finals.key.environment.as_str()).collect();
         environments.dedup();
-        environments.retain(|environment| methods.iter().all(|method| find(environment, method).is_some()));
+        let find = |environment: &str, method: &GroupKey| finals_of(&finals, environment, method);
+        let common = |methods: &[&GroupKey]| -> Vec<&'a str> {
+            let has_all =
+                |environment: &&&str| methods.iter().all(|method| find(environment, method).is_some());
+            environments.iter().filter(has_all).copied().collect()
+        };
+        let mut ranked = methods.clone();
+        // Stable: of methods with equally many environments the first come first.
+        ranked.sort_by_key(|method| std::cmp::Reverse(common(&[*method]).len()));
+        let worth = |count: &usize| {
+            let shared = common(&ranked[..*count]).len();
+            (shared >= FEWEST_SHARED, shared * count, *count)
+        };
+        let count = (2.min(ranked.len())..=ranked.len()).max_by_key(worth).unwrap_or(0);
+        let environments = common(&ranked[..count]);
+        let (kept, left_out): (Vec<&GroupKey>, Vec<&GroupKey>) =
+            methods.into_iter().partition(|method| ranked[..count].contains(method));
         let strata = |method: &GroupKey| {
             environments.iter().filter_map(|environment| Some(find(environment, method)?.scores())).collect()
         };
-        let methods = methods.into_iter().map(|method| (method, strata(method))).collect();
-        Self { environments, methods }
+        let methods = kept.into_iter().map(|method| (method, strata(method))).collect();
+        Self { environments, left_out, methods }
     }
 
     /// Every method with its final scores, in order. Shape: one stratum per shared environment, one score per seed.
@@ -152,6 +185,30 @@ mod tests {
         assert!((aggregates[0].optimality_gap - 0.5).abs() < 1e-12);
         let (low, high) = aggregates[0].iqm_ci.unwrap();
         assert!(low < 0.5 && 0.5 < high);
+    }
+
+    #[test]
+    fn a_method_of_few_environments_is_left_out() {
+        let in_all =
+            |curriculum| ["A", "B", "C"].map(|environment| finals(environment, curriculum, &[0.2, 0.4]));
+        let mut all = [in_all("teach"), in_all("vds"), in_all("space")].concat();
+        all.push(finals("B", "procurl", &[0.9]));
+        // A run is there, but none that counts.
+        all.push(finals("C", "procurl", &[]));
+        let cut = |all: &[Finals]| {
+            let mut all: Vec<&Finals> = all.iter().collect();
+            all.sort_by(|a, b| a.key.cmp(&b.key));
+            let shared = Shared::of(all);
+            let left_out: Vec<&str> = shared.left_out.iter().map(|key| key.curriculum.as_str()).collect();
+            (shared.environments.concat(), shared.methods.len(), left_out.join(" "))
+        };
+        // Three methods in three environments are more than four in one.
+        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "procurl".to_owned()));
+        // Four in two are not fewer than three in three once there are five in two.
+        all.push(finals("A", "procurl", &[0.9]));
+        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "procurl".to_owned()));
+        all.extend([finals("A", "her-iid", &[0.1]), finals("B", "her-iid", &[0.1])]);
+        assert_eq!(cut(&all), ("AB".to_owned(), 5, String::new()));
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub static DEVIATIONS: &[Deviation] = &[
     row(
         "Spread",
         "bands of standard deviations over seeds, ddof not stated",
-        "ddof = 1 throughout; claims are judged by paired bootstrap intervals, never by overlap of bands",
+        "ddof = 1 throughout; claims are judged by exact paired sign-flip tests, never by overlap of bands",
     ),
     row(
         "Action dimension of Fetch",

@@ -123,7 +123,7 @@ static SUMMARY: &[Column] = &[
     column(
         "steps_to_50",
         "u64",
-        "step by which half of the seeds had a running success of 0.5; empty where censored",
+        "step by which half of the seeds had a mean success of 0.5 over the last evaluations; empty where censored",
     ),
     column("steps_to_80", "u64", "the same for 0.8"),
     column("wall_hours", "f64", "mean over seeds of the hours of wall-clock time up to the last evaluation"),
@@ -147,7 +147,7 @@ static COSTS: &[Column] = &[
 static AGGREGATES: &[Column] = &[
     CURRICULUM,
     VARIANT,
-    column("environments", "u64", "environments that every method has"),
+    column("environments", "u64", "environments that all methods of the file have"),
     column("runs", "u64", "runs in them"),
     column("mean", "f64", "mean over environments of the mean final success over seeds"),
     column("iqm", "f64", "interquartile mean of the final success of all runs"),
@@ -159,24 +159,40 @@ static AGGREGATES: &[Column] = &[
 ];
 
 static COMPARISONS: &[Column] = &[
+    column("family", "string", "`methods` or `variants`: the comparisons that p_holm corrects for together"),
     ENVIRONMENT,
     CURRICULUM,
     VARIANT,
     column("reference_curriculum", "string", "curriculum id of the reference"),
     column("reference_variant", "string", "variant of the reference"),
-    SEEDS,
+    column("n_seeds", "u64", "finished runs of the same evaluations"),
     column("n_reference", "u64", "the same for the reference"),
+    column("runs_left_out", "u64", "runs of both that are not finished or were evaluated at other steps"),
     column("n_pairs", "u64", "seeds that both have"),
     column("difference", "f64", "mean over pairs of the difference of final success, method minus reference"),
     column("difference_ci_low", "f64", "lower end of its paired bootstrap interval"),
     column("difference_ci_high", "f64", "its upper end"),
+    column(
+        "sign_flip_p",
+        "f64",
+        "two-sided p-value of the exact sign-flip test of these pairs, uncorrected; not below 2^(1 - n_pairs)",
+    ),
     column("probability_of_improvement", "f64", "P(run of the method > run of the reference), ties one half"),
     column("welch_t", "f64", "t of Welch's test of equal means; empty where neither side varies"),
     column("welch_df", "f64", "its degrees of freedom"),
     column("welch_p", "f64", "its two-sided p-value, uncorrected"),
-    column("p_holm", "f64", "the p-value corrected by Holm's method for all comparisons of the file"),
+    column("p_holm", "f64", "the p-value corrected by Holm's method for all comparisons of its family"),
     column("effect_size", "f64", "Cohen's d"),
-    column("power", "f64", "power to find an effect of that size with the seeds at hand"),
+    column(
+        "level",
+        "f64",
+        "0.05 over the tests of the family: the strictest level that Holm's method asks for",
+    ),
+    column(
+        "power",
+        "f64",
+        "power of the t-test at that level to find an effect of that size with the seeds at hand",
+    ),
     column("needed_seeds", "u64", "seeds on each side to find it; empty above 10,000"),
 ];
 
@@ -185,12 +201,21 @@ static LEDGER: &[Column] = &[
     column("source", "string", "figure of the paper"),
     column("statement", "string", "the claim as a testable statement"),
     column("verdict", "string", "`confirmed`, `refuted` or `undecided`"),
+    column("value", "string", "the value whose effect decides, where the claim is about several; else empty"),
     column("effect", "f64", "difference of success rates that decides, mean over environments"),
-    column("ci_low", "f64", "lower end of its paired bootstrap interval"),
+    column(
+        "ci_low",
+        "f64",
+        "lower end of the interval that the sign-flip test does not refuse; empty for too few pairs",
+    ),
     column("ci_high", "f64", "its upper end"),
     column("confidence", "f64", "coverage of that interval after Bonferroni's correction"),
+    column("p", "f64", "two-sided p-value of the sign-flip test of no difference, uncorrected"),
     column("environments", "u64", "environments with enough pairs"),
+    column("environments_ahead", "u64", "those of them where the mean difference is above 0"),
+    column("environments_behind", "u64", "those of them where it is below 0"),
     column("pairs", "u64", "pairs of runs with the same seed in them"),
+    column("runs_left_out", "u64", "runs that are not finished or were evaluated at other steps"),
     column("evidence", "string", "all effects in words, or what is missing"),
     column("rule", "string", "when the claim counts as confirmed or refuted"),
 ];
@@ -203,7 +228,7 @@ static ENVIRONMENTS: &[Column] = &[
     column(
         "paper_action",
         "u64",
-        "dimension of the action that the paper prints; empty where it is the same",
+        "dimension of the action that the paper prints; empty where it prints no other one",
     ),
     column("horizon", "u64", "steps per episode"),
     column("note", "string", "why they differ"),
@@ -221,8 +246,8 @@ pub fn markdown(options: &Options) -> String {
     format!(
         "# Data dictionary\n\nThe numbers behind the report, unrounded. CSV and Parquet of one name hold the same; an \
          empty field of a CSV is null in Parquet. Final success: over the last {} evaluations of a run. Intervals: {} \
-         %, bootstrap with {} resamples where not said otherwise. Power: at level {ALPHA}, needed seeds for a power of \
-         {TARGET_POWER}.\n{}",
+         %, bootstrap with {} resamples where not said otherwise. Power: at level {ALPHA} over the number of tests, needed \
+         seeds for a power of {TARGET_POWER}.\n{}",
         options.window,
         options.resampling.confidence * 100.0,
         options.resampling.resamples,

@@ -8,7 +8,7 @@ use crate::scores;
 pub struct Finals {
     /// Which group.
     pub key: GroupKey,
-    /// (seed, [`scores::final_score`]), by rising seed; never empty.
+    /// (seed, [`scores::final_score`]), by rising seed.
     pub by_seed: Vec<(u64, f64)>,
 }
 

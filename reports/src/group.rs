@@ -57,23 +57,32 @@ impl PartialOrd for GroupKey {
 pub struct Group<'a> {
     /// What they have in common.
     pub key: GroupKey,
-    /// Runs with at least one evaluation, by rising seed; never empty.
+    /// Runs with at least one evaluation, by rising seed; empty only where
+    /// [`complete::comparable`](crate::complete::comparable) cut all of them.
     pub runs: Vec<&'a Run>,
 }
 
-/// Whether `a` and `b` are the same runs under two labels: the same seeds, and for each of them the same evaluations.
-/// Two settings that come to the same in the method (such as two Δ within one cycle of learning) give such groups.
+/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both have, which
+/// is at least one. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
+/// such groups.
 pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
     let same_evaluation = |(a, b): (&Record, &Record)| {
         (a.step, a.success_rate, a.mean_return, a.gradient_steps)
             == (b.step, b.success_rate, b.mean_return, b.gradient_steps)
     };
-    let same_run = |(a, b): (&&Run, &&Run)| {
-        a.key().seed == b.key().seed
-            && a.records.len() == b.records.len()
-            && a.records.iter().zip(&b.records).all(same_evaluation)
+    let same_run = |(a, b): (&Run, &Run)| {
+        a.records.len() == b.records.len() && a.records.iter().zip(&b.records).all(same_evaluation)
     };
-    a.runs.len() == b.runs.len() && a.runs.iter().zip(&b.runs).all(same_run)
+    let mut pairs = shared_seeds(a, b).peekable();
+    pairs.peek().is_some() && pairs.all(same_run)
+}
+
+/// The runs (of `a`, of `b`) of every seed that both have.
+pub fn shared_seeds<'a>(a: &Group<'a>, b: &Group<'a>) -> impl Iterator<Item = (&'a Run, &'a Run)> {
+    a.runs.iter().filter_map(|run| {
+        let other = b.runs.iter().find(|other| other.key().seed == run.key().seed)?;
+        Some((*run, *other))
+    })
 }
 
 /// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single curriculum

@@ -7,6 +7,9 @@ use crate::record::Teaching;
 /// Thirds of training.
 pub const PHASES: [&str; 3] = ["early", "middle", "late"];
 
+/// Fewest episodes in a cell whose success rate is shown.
+pub const FEWEST_EPISODES: u32 = 5;
+
 /// Training episodes of one third of training, by cell of their goal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Phase {
@@ -59,10 +62,11 @@ impl Phase {
         self.episodes.iter().map(|&count| f64::from(count) / f64::from(total.max(1))).collect()
     }
 
-    /// Success rate in each cell; `None` where there was no goal. Shape: `[side * side]`.
+    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few would look as
+    /// certain as any other. Shape: `[side * side]`.
     pub fn rates(&self) -> Vec<Option<f64>> {
         let rate = |(&successes, &episodes): (&u32, &u32)| {
-            (episodes > 0).then(|| f64::from(successes) / f64::from(episodes))
+            (episodes >= FEWEST_EPISODES).then(|| f64::from(successes) / f64::from(episodes))
         };
         self.successes.iter().zip(&self.episodes).map(rate).collect()
     }
@@ -90,13 +94,18 @@ mod tests {
         let line = Teaching {
             eval_index: 1,
             step: 150,
-            goals: vec![vec![-0.5, -0.5], vec![-0.5, 0.5], vec![-0.1, 0.1]],
+            goals: [[-0.5, -0.5], [-0.5, 0.5], [-0.1, 0.1]].map(Vec::from).to_vec(),
             successes: vec![true, true, false],
             weights: None,
         };
         let heat = HeatMap::of(&key, &maze, 450, [&line]).unwrap();
         assert_eq!(heat.phases[0].shares(), [1.0 / 3.0, 2.0 / 3.0, 0.0, 0.0]);
-        assert_eq!(heat.phases[0].rates(), [Some(1.0), Some(0.5), None, None]);
+        assert_eq!(
+            (&heat.phases[0].episodes, &heat.phases[0].successes),
+            (&vec![1, 2, 0, 0], &vec![1, 1, 0, 0])
+        );
+        let phase = Phase { episodes: vec![4, 5, 0, 10], successes: vec![4, 5, 0, 3] };
+        assert_eq!(phase.rates(), [None, Some(1.0), None, Some(0.3)]);
         assert_eq!(heat.phases[2].shares(), [0.0; 4]);
         assert_eq!(HeatMap::of(&key, &maze, 450, []), None);
     }

@@ -6,7 +6,7 @@
 //! ```text
 //! runs/ --Store::read--> runs --groups--> one group per curve --Curve::of-------> learning curves, ablations
 //!                                                             --Row::of---------> summary table
-//!                                                             --Finals::of------> comparisons, sums over environments
+//!                                      --comparable--> groups --Finals::of------> comparisons, sums over environments
 //!                                                             --ledger----------> verdicts on the paper's claims
 //!       --store::teaching--> what teachers did                --HeatMap::of-----> heat maps of mazes
 //! ```
@@ -18,6 +18,7 @@
 pub mod ablation;
 pub mod aggregate;
 pub mod comparison;
+pub mod complete;
 pub mod cost;
 pub mod curves;
 pub mod deviations;
@@ -35,6 +36,7 @@ pub mod ledger;
 pub mod methods;
 pub mod missing;
 pub mod page;
+pub mod paper;
 pub mod problem;
 pub mod record;
 pub mod report;

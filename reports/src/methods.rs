@@ -30,6 +30,10 @@ pub enum Dash {
     Short,
     /// Dots.
     Dotted,
+    /// Long dashes and dots in turn.
+    DashDot,
+    /// Short dashes far apart.
+    Sparse,
 }
 
 /// Shape of the markers on a line.
@@ -64,12 +68,13 @@ pub struct Method {
 const BLACK: Rgb = (0, 0, 0);
 const ORANGE: Rgb = (230, 159, 0);
 const SKY_BLUE: Rgb = (86, 180, 233);
-const GREEN: Rgb = (0, 158, 115);
+// A little darker than theirs, which is too close to vermilion in grey.
+const GREEN: Rgb = (0, 154, 112);
 const BLUE: Rgb = (0, 114, 178);
 const VERMILION: Rgb = (213, 94, 0);
 const PURPLE: Rgb = (204, 121, 167);
 // Not Okabe-Ito's yellow, which fades on white paper.
-const GREY: Rgb = (120, 120, 120);
+const GREY: Rgb = (170, 170, 170);
 
 const fn look(colour: Rgb, dash: Dash, marker: Marker) -> Look {
     Look { colour, dash, marker }
@@ -80,9 +85,9 @@ pub static METHODS: &[Method] = &[
     Method { id: "teach", title: "TEACH", look: look(VERMILION, Dash::Solid, Marker::Circle) },
     Method { id: "vds", title: "VDS", look: look(BLUE, Dash::Long, Marker::Square) },
     Method { id: "procurl", title: "ProCuRL", look: look(GREEN, Dash::Short, Marker::Triangle) },
-    Method { id: "space", title: "SPaCE", look: look(PURPLE, Dash::Long, Marker::Diamond) },
+    Method { id: "space", title: "SPaCE", look: look(PURPLE, Dash::DashDot, Marker::Diamond) },
     Method { id: "her-iid", title: "HER-IID", look: look(BLACK, Dash::Dotted, Marker::Cross) },
-    Method { id: "her-iid-pool", title: "HER-IID-pool", look: look(GREY, Dash::Short, Marker::Wedge) },
+    Method { id: "her-iid-pool", title: "HER-IID-pool", look: look(GREY, Dash::Sparse, Marker::Wedge) },
 ];
 
 /// Looks of curricula without a row, taken in the order of their ids and reused from the start when used up.
@@ -143,6 +148,11 @@ fn split_number(text: &str) -> (&str, &str) {
 mod tests {
     use super::*;
 
+    /// The grey of a colour, by the weights of ITU-R BT.601.
+    fn luma((red, green, blue): Rgb) -> f64 {
+        0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
+    }
+
     #[test]
     fn known_methods_differ_in_colour_and_in_grey() {
         for (i, a) in METHODS.iter().enumerate() {
@@ -150,6 +160,9 @@ mod tests {
                 assert_ne!(a.id, b.id);
                 assert_ne!(a.look.colour, b.look.colour, "{} and {}", a.id, b.id);
                 assert_ne!(a.look.marker, b.look.marker, "{} and {}", a.id, b.id);
+                assert_ne!(a.look.dash, b.look.dash, "{} and {}", a.id, b.id);
+                let gap = (luma(a.look.colour) - luma(b.look.colour)).abs();
+                assert!(gap >= 15.0, "{} and {} differ by {gap} of 255 in grey", a.id, b.id);
             }
         }
     }

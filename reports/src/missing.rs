@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 
 use crate::group::{Group, GroupKey};
 use crate::methods;
+use crate::paper;
 
-/// Runs that are not there or not finished, beside what was run: every environment is expected to have every compared
-/// method, and every method the seeds that any has. `groups` are those that are compared, in order.
-pub fn runs(groups: &[&Group<'_>]) -> Vec<String> {
-    let seeds: BTreeSet<u64> =
-        groups.iter().flat_map(|group| &group.runs).map(|run| run.key().seed).collect();
+/// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected to have
+/// every method among them, and every method the seeds that any run of `all` has. `groups` come in order; those that
+/// stand for their method and those that are variants of one are asked about apart, for ablations may be run in fewer
+/// environments.
+pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
+    let seeds: BTreeSet<u64> = all.iter().flat_map(|group| &group.runs).map(|run| run.key().seed).collect();
     let mut methods: Vec<&GroupKey> = groups.iter().map(|group| &group.key).collect();
     methods.sort_by(|a, b| a.cmp_method(b));
     methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
@@ -35,4 +37,18 @@ pub fn runs(groups: &[&Group<'_>]) -> Vec<String> {
         }
     }
     missing
+}
+
+/// The paper's methods and environments that `all` has no evaluation of, in a line each.
+pub fn of_the_paper(all: &[Group<'_>]) -> Vec<String> {
+    let has_method = |id: &str| all.iter().any(|group| group.key.curriculum == id);
+    let methods: Vec<&str> = paper::methods().filter(|id| !has_method(id)).map(methods::title).collect();
+    let has_task = |names: &[&str]| all.iter().any(|group| names.contains(&group.key.environment.as_str()));
+    let tasks: Vec<&str> =
+        paper::TASKS.iter().filter(|names| !has_task(names)).map(|names| names[0]).collect();
+    let line = |what: &str, names: Vec<&str>| {
+        (!names.is_empty())
+            .then(|| format!("no evaluation of these {what} of the paper: {}", names.join(", ")))
+    };
+    line("methods", methods).into_iter().chain(line("environments", tasks)).collect()
 }

@@ -28,10 +28,12 @@ pub fn final_counts(records: &[Record], window: usize) -> (u64, u64) {
     (recent.iter().map(successes).sum(), recent.iter().map(|record| record.episodes).sum())
 }
 
-/// The first step at which the running score is at least `threshold`; `None` if it never is (censored).
+/// The first step at which the running score of `window` evaluations is at least `threshold`; `None` if it never is
+/// (censored). The scores of fewer evaluations at the start do not count: a single lucky one would do.
 pub fn steps_to(records: &[Record], threshold: f64, window: usize) -> Option<u64> {
-    let index = running_scores(records, window).iter().position(|score| *score >= threshold)?;
-    Some(records[index].step)
+    let scores = running_scores(records, window);
+    let full = records.iter().zip(scores).skip(window.saturating_sub(1));
+    full.into_iter().find(|(_, score)| *score >= threshold).map(|(record, _)| record.step)
 }
 
 /// Area under the success rate over training steps by the trapezoid rule, divided by the steps it spans: a mean
@@ -92,6 +94,16 @@ mod tests {
         assert_eq!(steps_to(&records, 0.5, 1), Some(10));
         assert_eq!(steps_to(&records, 0.5, 2), Some(20));
         assert_eq!(steps_to(&records, 0.9, 2), None);
+    }
+
+    #[test]
+    fn a_partial_window_reaches_nothing() {
+        let records = records(&[(0, 1.0), (10, 0.0), (20, 0.5), (30, 0.5)]);
+        // The first evaluation alone has 1, the first two have 0.5; the first three 0.5 in the mean.
+        assert_eq!(steps_to(&records, 0.5, 1), Some(0));
+        assert_eq!(steps_to(&records, 0.5, 2), Some(10));
+        assert_eq!(steps_to(&records, 0.5, 3), Some(20));
+        assert_eq!(steps_to(&records, 0.5, 5), None);
     }
 
     #[test]

@@ -89,7 +89,9 @@ pub fn improvements<'a>(
     keys: impl IntoIterator<Item = &'a GroupKey>,
 ) -> Result<String, ReportError> {
     let palette = Palette::new(keys);
-    let label = |row: &Improvement<'_>| format!("{} over {}", name(row.method), name(row.other));
+    let label = |row: &Improvement<'_>| {
+        format!("{} over {} [{}]", name(row.method), name(row.other), row.environments)
+    };
     Forest {
         rows: rows.iter().map(|row| (label(row), palette.look(row.other))).collect(),
         columns: vec![Column {
@@ -98,7 +100,7 @@ pub fn improvements<'a>(
             reference: Some(0.5),
             estimates: rows.iter().map(|row| (row.probability, row.interval)).collect(),
         }],
-        caption: caption(resampling),
+        caption: format!("in brackets: environments that both methods have; {}", caption(resampling)),
     }
     .draw()
 }

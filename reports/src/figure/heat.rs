@@ -8,7 +8,7 @@ use super::shapes::{Area, DrawResult};
 use super::{page, text};
 use crate::environment::MazeInfo;
 use crate::error::ReportError;
-use crate::heat::{HeatMap, PHASES};
+use crate::heat::{FEWEST_EPISODES, HeatMap, PHASES};
 use crate::methods;
 
 /// Text sizes in points.
@@ -27,7 +27,7 @@ const BAR_WIDTH: i32 = 460;
 const BAR_LABEL_HEIGHT: i32 = 44;
 
 const WALL: RGBColor = RGBColor(120, 120, 120);
-/// A free cell that no goal lay in, where rates are shown.
+/// A free cell that too few goals lay in, where rates are shown.
 const UNSEEN: RGBColor = RGBColor(255, 255, 255);
 
 /// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the colours of
@@ -78,7 +78,7 @@ impl<'a> Sheet<'a> {
         let caption = page::caption_lines(
             &format!(
                 "{}: goals of training episodes and the success rate at them (with exploration noise), by third of \
-                 training, all seeds; grey: walls, white: no goal lay there",
+                 training, all seeds; grey: walls, white: fewer than {FEWEST_EPISODES} goals lay there",
                 text::printable(&self.maze.id)
             ),
             PAGE_WIDTH,

@@ -38,7 +38,27 @@ pub fn learning<'a>(
     keys: impl IntoIterator<Item = &'a GroupKey>,
     progress: Progress,
 ) -> Result<String, ReportError> {
-    let palette = Palette::new(keys);
+    sheet(panels, &Palette::new(keys), progress)
+}
+
+/// As [`learning`] against environment steps, of the levels of an ablation: the variant `plain`, the default setting,
+/// has the look of its curriculum.
+///
+/// # Errors
+/// [`ReportError::Figure`] if drawing fails.
+pub fn ablation<'a>(
+    panels: &[LearningPanel<'_>],
+    keys: impl IntoIterator<Item = &'a GroupKey>,
+    plain: &'a str,
+) -> Result<String, ReportError> {
+    sheet(panels, &Palette::around(keys, plain), Progress::EnvironmentSteps)
+}
+
+fn sheet(
+    panels: &[LearningPanel<'_>],
+    palette: &Palette<'_>,
+    progress: Progress,
+) -> Result<String, ReportError> {
     // Narrow panels have room for fewer tick labels.
     let most_ticks = if panels.len() > 2 { 4 } else { 6 };
     let curves: Vec<&Curve> = panels.iter().flat_map(|panel| panel.curves.iter().copied()).collect();
@@ -47,8 +67,8 @@ pub fn learning<'a>(
         caption.push_str("; time: mean over seeds, evaluations included");
     }
     Page {
-        panels: panels.iter().map(|panel| content(panel, &palette, progress, most_ticks)).collect(),
-        legend: legend(&curves, panels.len(), &palette),
+        panels: panels.iter().map(|panel| content(panel, palette, progress, most_ticks)).collect(),
+        legend: legend(&curves, panels.len(), palette),
         caption,
     }
     .draw()

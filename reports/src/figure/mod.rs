@@ -24,7 +24,7 @@ mod ticks;
 pub use efficiency::efficiency;
 pub use forest::{aggregates, improvements};
 pub use heat::heat;
-pub use learning::{LearningPanel, by_environment, learning};
+pub use learning::{LearningPanel, ablation, by_environment, learning};
 pub use outline::outlined;
 pub use profile::profiles;
 pub use raster::png;

@@ -18,24 +18,31 @@ const LIGHTEST: f64 = 0.45;
 pub(super) struct Palette<'a> {
     /// One key for each curriculum and variant, in their order; the environment means nothing here.
     methods: Vec<&'a GroupKey>,
+    /// The variant that has the plain look of its curriculum.
+    plain: &'a str,
 }
 
 impl<'a> Palette<'a> {
     /// A palette for curves with these keys.
     pub(super) fn new(keys: impl IntoIterator<Item = &'a GroupKey>) -> Self {
+        Self::around(keys, "default")
+    }
+
+    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other has.
+    pub(super) fn around(keys: impl IntoIterator<Item = &'a GroupKey>, plain: &'a str) -> Self {
         let mut methods: Vec<&GroupKey> = keys.into_iter().collect();
         methods.sort_by(|a, b| a.cmp_method(b));
         methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
-        Self { methods }
+        Self { methods, plain }
     }
 
     /// The look of a curve.
     pub(super) fn look(&self, key: &GroupKey) -> Look {
         let base = methods::method(&key.curriculum).map_or_else(|| self.fallback(key), |method| method.look);
-        if key.variant == "default" {
+        if key.variant == self.plain {
             return base;
         }
-        let same = |other: &&&GroupKey| other.curriculum == key.curriculum && other.variant != "default";
+        let same = |other: &&&GroupKey| other.curriculum == key.curriculum && other.variant != self.plain;
         let variants: Vec<&&GroupKey> = self.methods.iter().filter(same).collect();
         let has_default =
             variants.len() < self.methods.iter().filter(|o| o.curriculum == key.curriculum).count();
@@ -59,8 +66,8 @@ impl<'a> Palette<'a> {
 
 /// The look of variant `index` of `count`, `beside` the plain look of the default or on their own.
 fn varied(base: Look, index: usize, count: usize, beside: bool) -> Look {
-    // Beside the default an even number of tones, none of which is the plain one in the middle.
-    let tones = if beside { count.next_multiple_of(2) } else { count };
+    // An even number of tones, none of which is the plain one in the middle: that is the default's alone.
+    let tones = count.next_multiple_of(2);
     let position = index as f64 / (tones - 1) as f64;
     let tone = (DARKEST + LIGHTEST) * position - DARKEST;
     let colour =
@@ -116,6 +123,19 @@ mod tests {
         assert!(
             looks[1..].iter().all(|look| look.colour != looks[0].colour && look.marker != looks[0].marker)
         );
+    }
+
+    #[test]
+    fn the_plain_look_is_the_default_settings_alone() {
+        let keys = ["Δ = 1", "Δ = 2", "Δ = 5", "Δ = 10"].map(|variant| key("A", "teach", variant));
+        let plain = methods::method("teach").map(|row| row.look);
+        let colours = |palette: &Palette<'_>| keys.each_ref().map(|key| palette.look(key).colour);
+        let palette = Palette::around(&keys, "Δ = 1");
+        assert_eq!(Some(palette.look(&keys[0])), plain);
+        assert!(colours(&palette)[1..].iter().all(|colour| Some(*colour) != plain.map(|look| look.colour)));
+        // Nor does a level have it where the default was not run.
+        let without = Palette::around(&keys[1..], "Δ = 1");
+        assert!(keys[1..].iter().all(|key| Some(without.look(key).colour) != plain.map(|look| look.colour)));
     }
 
     #[test]

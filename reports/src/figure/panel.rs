@@ -157,7 +157,8 @@ fn draw_bands(root: &Area<'_>, line: &Series, pixel: &impl Fn(f64, f64) -> (i32,
     Ok(())
 }
 
-/// The line, with markers whose `phase` in [0, 1) differs between lines: equal lines stay visible.
+/// The line, with markers whose `phase` in [0, 1) differs between lines: equal lines stay visible. None is on the first
+/// point, where it would touch the labels of the y axis, unless that is the only one.
 fn draw_line(
     root: &Area<'_>,
     line: &Series,
@@ -169,7 +170,7 @@ fn draw_line(
         shapes::line(root, &points, line.look)?;
     }
     let stride = points.len().div_ceil(MARKERS).max(1);
-    let first = ((phase * stride as f64) as usize).min(points.len().saturating_sub(1));
+    let first = (1 + (phase * stride as f64) as usize).min(points.len().saturating_sub(1));
     for at in points.iter().skip(first).step_by(stride) {
         shapes::marker(root, *at, line.look)?;
     }

@@ -1,7 +1,6 @@
 //! Lines, markers and bands in pixel coordinates.
 
 use plotters::coord::Shift;
-use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use crate::methods::{Dash, Look, Marker};
@@ -22,24 +21,60 @@ fn colour(look: Look) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// Dash and gap in pixels; `None` for a solid line. Each pattern ends with a whole dash after the 90 pixels of the
-/// legend's samples.
-fn pattern(dash: Dash) -> Option<(i32, i32)> {
+/// Lengths of dashes and gaps in turn, in pixels; `None` for a solid line. Each pattern ends with a whole dash after the
+/// 90 pixels of the legend's samples.
+fn pattern(dash: Dash) -> Option<&'static [f64]> {
     match dash {
         Dash::Solid => None,
-        Dash::Long => Some((24, 9)),
-        Dash::Short => Some((15, 10)),
-        Dash::Dotted => Some((6, 8)),
+        Dash::Long => Some(&[24.0, 9.0]),
+        Dash::Short => Some(&[15.0, 10.0]),
+        Dash::Dotted => Some(&[6.0, 8.0]),
+        Dash::DashDot => Some(&[32.0, 10.0, 6.0, 10.0]),
+        Dash::Sparse => Some(&[10.0, 30.0]),
     }
 }
 
 /// A line through `points`.
 pub(super) fn line(area: &Area<'_>, points: &[Pixel], look: Look) -> DrawResult {
     let stroke = colour(look).stroke_width(LINE_WIDTH);
-    match pattern(look.dash) {
-        None => area.draw(&PathElement::new(points, stroke)),
-        Some((dash, gap)) => area.draw(&DashedPathElement::new(points.iter().copied(), dash, gap, stroke)),
+    let Some(pattern) = pattern(look.dash) else { return area.draw(&PathElement::new(points, stroke)) };
+    for dash in dashes(points, pattern) {
+        area.draw(&PathElement::new(dash, stroke))?;
     }
+    Ok(())
+}
+
+/// The dashes of a line through `points`, which go around its corners. `pattern` holds dashes and gaps in turn, all
+/// longer than 0.
+fn dashes(points: &[Pixel], pattern: &[f64]) -> Vec<Vec<Pixel>> {
+    let (mut found, mut current) = (Vec::new(), points.first().copied().into_iter().collect::<Vec<_>>());
+    let (mut index, mut left) = (0, pattern[0]);
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (across, down) = (f64::from(to.0 - from.0), f64::from(to.1 - from.1));
+        let length = across.hypot(down);
+        let mut done = 0.0;
+        while length - done >= left {
+            done += left;
+            let share = if length > 0.0 { done / length } else { 1.0 };
+            let at = (from.0 + (across * share).round() as i32, from.1 + (down * share).round() as i32);
+            if index % 2 == 0 {
+                current.push(at);
+                found.push(std::mem::take(&mut current));
+            } else {
+                current = vec![at];
+            }
+            index = (index + 1) % pattern.len();
+            left = pattern[index];
+        }
+        left -= length - done;
+        if index % 2 == 0 {
+            current.push(to);
+        }
+    }
+    // What began at the very end has no length.
+    found.extend(Some(current).filter(|dash| dash.first() != dash.last()));
+    found
 }
 
 /// The polygon between two lines, each given from left to right.
@@ -71,4 +106,29 @@ pub(super) fn marker(area: &Area<'_>, at: Pixel, look: Look) -> DrawResult {
 
 fn shift(at: Pixel, by: Pixel) -> Pixel {
     (at.0 + by.0, at.1 + by.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_by_hand() {
+        // 4 on, 2 off, around the corner at (5, 0).
+        let found = dashes(&[(0, 0), (5, 0), (5, 7)], &[4.0, 2.0]);
+        // The dash that would begin at the end is not drawn.
+        assert_eq!(found, [[(0, 0), (4, 0)], [(5, 1), (5, 5)]]);
+        assert_eq!(dashes(&[(0, 0), (5, 0), (5, 3)], &[6.0, 2.0]), [[(0, 0), (5, 0), (5, 1)]]);
+        assert_eq!(dashes(&[], &[1.0, 1.0]), [[(0, 0); 0]; 0]);
+    }
+
+    #[test]
+    fn patterns_end_with_a_whole_dash_in_the_legend() {
+        for dash in [Dash::Long, Dash::Short, Dash::Dotted, Dash::DashDot, Dash::Sparse] {
+            let drawn = dashes(&[(0, 0), (90, 0)], pattern(dash).unwrap());
+            let last = drawn.last().unwrap();
+            let width = f64::from(last[1].0 - last[0].0);
+            assert_eq!((last[1].0, Some(width)), (90, pattern(dash).map(|lengths| lengths[0])), "{dash:?}");
+        }
+    }
 }

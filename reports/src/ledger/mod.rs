@@ -1,25 +1,25 @@
 //! The claims of the paper's sections 5.3 to 5.6 as testable statements, each with a verdict on the data at hand.
 //!
-//! Success rates are compared by paired bootstrap intervals; overlap of bands never counts. Where a claim (or a family
-//! of claims of one kind) looks at several intervals, each is widened by Bonferroni's correction, so that all of them
-//! together keep the confidence.
+//! Finished runs of the same evaluations are compared, paired by seed, by the exact sign-flip test
+//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the interval that
+//! inverts the test: what lies outside is refused. Where a claim (or a family of claims of one kind) looks at several
+//! intervals, each is widened by Bonferroni's correction, so that all of them together keep the confidence.
 
 mod effect;
 mod verdict;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 pub use effect::{Effect, FEWEST_PAIRS, Measure};
 pub use verdict::{MARGIN, Verdict};
 
-use crate::ablation::{self, Ablation, Axis};
+use crate::ablation::{self, Ablation, Axis, Level};
+use crate::complete::Pair;
 use crate::group::{self, Group};
 use crate::methods;
+use crate::paper::{self, BASELINES};
 use crate::stats::Resampling;
 use verdict::{ABOVE, EQUIVALENT, NOT_ABOVE, SOME_ABOVE};
-
-/// The paper's baselines, as curriculum ids.
-const BASELINES: [&str; 4] = ["vds", "procurl", "space", "her-iid"];
 
 /// A claim and its verdict.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,9 @@ pub struct Entry {
     pub rule: &'static str,
     /// What the data say.
     pub verdict: Verdict,
-    /// The difference that decides: of several the largest in size.
+    /// The value whose effect decides, where the claim is about several: `Δ = 5`.
+    pub value: Option<String>,
+    /// The difference that decides: of several the one that the verdict hangs on.
     pub effect: Effect,
     /// Coverage of each interval after the correction.
     pub confidence: f64,
@@ -60,9 +62,9 @@ struct AblationClaim {
     source: &'static str,
     statement: &'static str,
     rule: &'static str,
-    /// The value that others are compared with.
-    reference: fn() -> Value,
     verdict: fn(&[verdict::Interval]) -> Verdict,
+    /// Which of several effects the verdict hangs on; how far each is from where it would not.
+    weight: fn(&Effect) -> f64,
 }
 
 static ABLATION_CLAIMS: [AblationClaim; 3] = [
@@ -73,10 +75,10 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
         statement: "Confidence taken from the target networks gives no better final success than from the online \
                     networks",
         rule: NOT_ABOVE,
-        reference: || json!("online"),
         verdict: |intervals| {
             intervals.first().map_or(Verdict::Undecided, |interval| verdict::not_above(*interval))
         },
+        weight: best_supported,
     },
     AblationClaim {
         id: "window",
@@ -84,8 +86,8 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
         source: "Figure 4",
         statement: "Final success does not depend on the window n (each value against n = 10)",
         rule: EQUIVALENT,
-        reference: || json!(10),
         verdict: verdict::equivalent,
+        weight: farthest,
     },
     AblationClaim {
         id: "interplay",
@@ -93,10 +95,28 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
         source: "Figure 5",
         statement: "A larger Δ can help: some Δ > 1 gives a higher final success than Δ = 1",
         rule: SOME_ABOVE,
-        reference: || json!(1),
         verdict: verdict::some_above,
+        weight: best_supported,
     },
 ];
+
+/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all that have
+/// one.
+fn best_supported(effect: &Effect) -> f64 {
+    effect
+        .interval
+        .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
+}
+
+/// How far from "no difference": first those wholly outside the margin by how far they are, then the others by the end
+/// of the interval that is farther from 0.
+fn farthest(effect: &Effect) -> f64 {
+    let Some((low, high)) = effect.interval else {
+        return effect.difference.map_or(-8.0, |difference| difference.abs() - 4.0);
+    };
+    let outside = low.max(-high);
+    if outside >= MARGIN { 4.0 + outside } else { high.max(-low) }
+}
 
 /// What claims are judged by.
 struct Judge<'a> {
@@ -122,30 +142,45 @@ impl Judge<'_> {
                     == (environment, curriculum, "default")
             })
         };
-        let teach = self.groups.iter().filter(|group| group.key.curriculum == "teach");
+        let teach = self.groups.iter().filter(|group| group.key.curriculum == paper::METHOD);
         let teach = teach.filter(|group| group.key.variant == "default");
-        let pairs: Vec<_> =
-            teach.filter_map(|group| Some((group, default(&group.key.environment, baseline)?))).collect();
+        let pairs: Vec<Pair<'_>> = teach
+            .filter_map(|group| Some(Pair::of(group, default(&group.key.environment, baseline)?)))
+            .collect();
         let effect = effect::effect(&pairs, measure, self.window, resampling);
         let title = methods::title(baseline);
         let (id, statement) = match measure {
-            Measure::Final => ("final", format!("TEACH reaches a higher final success than {title}")),
-            Measure::Area => {
-                ("area", format!("TEACH learns faster than {title}: more area under its learning curve"))
-            }
+            Measure::Final => (
+                "final",
+                format!("TEACH reaches a higher final success than {title} on average over environments"),
+            ),
+            Measure::Area => (
+                "area",
+                format!(
+                    "TEACH learns faster than {title} on average over environments: more area under its learning curve"
+                ),
+            ),
         };
-        let evidence = if effect.environments.is_empty() {
-            format!("no environment with {FEWEST_PAIRS} seeds of both")
-        } else {
-            let (ahead, all) = (effect.ahead, effect.environments.len());
-            format!("ahead in {ahead} of {all} environments, {} pairs of runs", effect.pairs)
+        let counts = || {
+            let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
+            format!(
+                "ahead in {ahead} and behind in {behind} of {all} environments, {} pairs of runs",
+                effect.pairs
+            )
         };
+        let evidence = match (effect.lack(resampling), effect.environments.is_empty()) {
+            (None, _) => counts(),
+            (Some(lack), true) => lack,
+            (Some(lack), false) => format!("{}; {lack}", counts()),
+        };
+        let evidence = evidence + &effect.remark();
         Entry {
             id: format!("{id}-{baseline}"),
             source: "Figures 2 and 6",
             statement,
             rule: ABOVE,
             verdict: verdict::above(effect.interval),
+            value: None,
             effect,
             confidence: resampling.confidence,
             evidence,
@@ -153,23 +188,21 @@ impl Judge<'_> {
     }
 
     fn ablation(&self, claim: &AblationClaim) -> Entry {
-        let reference = (claim.reference)();
-        let Axis { symbol, .. } = *claim.axis;
+        let Axis { symbol, reference, .. } = *claim.axis;
         let ablations = ablation::ablations(self.groups, claim.axis);
         let mut values: Vec<&Value> = Vec::new();
         for level in ablations.iter().flat_map(|ablation| &ablation.levels) {
-            if *level.value != reference && !values.contains(&level.value) {
+            if level.text() != reference && !values.contains(&level.value) {
                 values.push(level.value);
             }
         }
-        let name = |value: &Value| {
-            format!("{symbol} = {}", value.as_str().map_or_else(|| value.to_string(), str::to_owned))
-        };
+        let name = |value: &Value| format!("{symbol} = {}", ablation::text(value));
         let candidates =
-            values.into_iter().map(|value| (name(value), self.pairs(&ablations, value, &reference)));
+            values.into_iter().map(|value| (name(value), self.pairs(&ablations, value, reference)));
         // A value that comes to the same as the reference can be neither above nor below it.
-        let (repeats, tested): (Vec<_>, Vec<_>) = candidates
-            .partition(|(_, pairs)| !pairs.is_empty() && pairs.iter().all(|(a, b)| group::is_repeated(a, b)));
+        let (repeats, tested): (Vec<_>, Vec<_>) = candidates.partition(|(_, pairs)| {
+            !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
+        });
         let resampling = self.corrected(tested.len());
         let effects: Vec<(String, Effect)> = tested
             .into_iter()
@@ -177,38 +210,36 @@ impl Judge<'_> {
             .collect();
         let intervals: Vec<verdict::Interval> = effects.iter().map(|(_, effect)| effect.interval).collect();
         let repeats: Vec<String> = repeats.into_iter().map(|(name, _)| name).collect();
-        let evidence = evidence(&effects, &repeats, &name(&reference));
-        let size = |effect: &Effect| effect.difference.map_or(-1.0, f64::abs);
-        let largest =
-            effects.into_iter().map(|(_, effect)| effect).max_by(|a, b| size(a).total_cmp(&size(b)));
+        let evidence = evidence(&effects, &repeats, &format!("{symbol} = {reference}"), resampling);
+        let weight = |(_, effect): &(String, Effect)| (claim.weight)(effect);
+        let decisive = effects.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b)));
+        let (value, effect) = decisive.map_or_else(Default::default, |(value, effect)| (Some(value), effect));
         Entry {
             id: claim.id.to_owned(),
             source: claim.source,
             statement: claim.statement.to_owned(),
             rule: claim.rule,
             verdict: (claim.verdict)(&intervals),
-            effect: largest.unwrap_or_default(),
+            value,
+            effect,
             confidence: resampling.confidence,
             evidence,
         }
     }
 
-    /// Groups with `value` and with `reference`, for every ablation that has both; the first of each environment.
-    fn pairs(
-        &self,
-        ablations: &[Ablation<'_>],
-        value: &Value,
-        reference: &Value,
-    ) -> Vec<(&Group<'_>, &Group<'_>)> {
-        let mut pairs: Vec<(&Group<'_>, &Group<'_>)> = Vec::new();
+    /// Comparable runs with `value` and with `reference`, for every ablation that has both; the first of each
+    /// environment.
+    fn pairs(&self, ablations: &[Ablation<'_>], value: &Value, reference: &str) -> Vec<Pair<'_>> {
+        let mut pairs: Vec<Pair<'_>> = Vec::new();
         for ablation in ablations {
-            let group = |value: &Value| {
-                let level = ablation.levels.iter().find(|level| level.value == value)?;
+            let group = |is: &dyn Fn(&Level<'_>) -> bool| {
+                let level = ablation.levels.iter().find(|level| is(level))?;
                 self.groups.get(level.group)
             };
-            let Some(pair) = group(value).zip(group(reference)) else { continue };
-            if pairs.iter().all(|(other, _)| other.key.environment != pair.0.key.environment) {
-                pairs.push(pair);
+            let found = group(&|level| level.value == value).zip(group(&|level| level.text() == reference));
+            let Some((a, b)) = found else { continue };
+            if pairs.iter().all(|other| other.a.key.environment != a.key.environment) {
+                pairs.push(Pair::of(a, b));
             }
         }
         pairs
@@ -216,16 +247,26 @@ impl Judge<'_> {
 }
 
 /// `n = 3: +0.02 [-0.05, +0.08] in 2 environments; ...`, and which values are no others than the `reference`.
-fn evidence(effects: &[(String, Effect)], repeats: &[String], reference: &str) -> String {
+fn evidence(
+    effects: &[(String, Effect)],
+    repeats: &[String],
+    reference: &str,
+    resampling: Resampling,
+) -> String {
     if effects.is_empty() && repeats.is_empty() {
         return "no two variants of TEACH differ in this setting alone".to_owned();
     }
-    let tested = |(value, effect): &(String, Effect)| match (effect.difference, effect.interval) {
-        (Some(difference), Some((low, high))) => {
-            let environments = effect.environments.len();
-            format!("{value}: {difference:+.2} [{low:+.2}, {high:+.2}] in {environments} environments")
-        }
-        _ => format!("{value}: no environment with {FEWEST_PAIRS} seeds of both"),
+    let tested = |(value, effect): &(String, Effect)| {
+        let difference = effect.difference.map_or_else(String::new, |difference| format!("{difference:+.2}"));
+        let interval = effect.interval.map(|(low, high)| {
+            let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
+            format!("{difference} [{low:+.2}, {high:+.2}], ahead in {ahead} and behind in {behind} of {all} environments")
+        });
+        let lack = || {
+            let lack = effect.lack(resampling).unwrap_or_default();
+            if difference.is_empty() { lack } else { format!("{difference}, {lack}") }
+        };
+        format!("{value}: {}{}", interval.unwrap_or_else(lack), effect.remark())
     };
     let repeated = |value: &String| format!("{value}: the same runs as {reference}, not tested");
     effects.iter().map(tested).chain(repeats.iter().map(repeated)).collect::<Vec<_>>().join("; ")

@@ -25,7 +25,7 @@ impl Verdict {
 /// Differences smaller than this make no difference: success rates, a tenth of the range.
 pub const MARGIN: f64 = 0.1;
 
-/// (low, high); `None` where there are too few seeds for one.
+/// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds for one.
 pub(super) type Interval = Option<(f64, f64)>;
 
 /// "A is above B".

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use super::Options;
 use crate::ablation::{self, AXES, Ablation};
-use crate::aggregate::{Aggregate, Profile, Shared};
+use crate::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
 use crate::comparison::{self, Comparison};
+use crate::complete;
 use crate::curves::Curve;
 use crate::efficiency::{self, Efficiency};
 use crate::environment::MazeInfo;
@@ -20,15 +21,14 @@ use crate::problem::Problem;
 use crate::store::{self, Store};
 use crate::summary::Row;
 
-/// Methods are summed up over environments where there are at least this many.
-const FEWEST_SHARED: usize = 2;
-
 /// Which groups there are, and which of them stand for their method. Everything else borrows from it.
 pub(super) struct Groups<'a> {
     pub(super) all: Vec<Group<'a>>,
     /// One answer per group: [`group::compared`].
     pub(super) compared: Vec<bool>,
-    /// Final scores of every group.
+    /// Of those that stand for their method, the runs that may be compared with each other.
+    pub(super) comparable: Vec<Group<'a>>,
+    /// Their final scores.
     pub(super) finals: Vec<Finals>,
     pub(super) curves: Vec<Curve>,
 }
@@ -38,9 +38,13 @@ impl<'a> Groups<'a> {
         let all = group::groups(store);
         let keys: Vec<&GroupKey> = all.iter().map(|group| &group.key).collect();
         let compared = group::compared(&keys);
+        let chosen: Vec<&Group<'_>> =
+            all.iter().zip(&compared).filter(|(_, compared)| **compared).map(|(group, _)| group).collect();
+        let comparable = complete::comparable(&chosen);
         Self {
             compared,
-            finals: all.iter().map(|group| Finals::of(group, options.window)).collect(),
+            finals: comparable.iter().map(|group| Finals::of(group, options.window)).collect(),
+            comparable,
             curves: all.iter().map(Curve::of).collect(),
             all,
         }
@@ -51,25 +55,24 @@ impl<'a> Groups<'a> {
         items.iter().zip(&self.compared).filter(|(_, compared)| **compared).map(|(item, _)| item).collect()
     }
 
-    /// Final scores of every group but those that repeat the runs of the first of their environment.
-    fn distinct_finals(&self) -> Vec<&Finals> {
-        let environments = self.all.chunk_by(|a, b| a.key.environment == b.key.environment);
-        let is_distinct = environments.flat_map(|groups| {
-            groups
-                .iter()
-                .enumerate()
-                .map(|(index, group)| index == 0 || !group::is_repeated(group, &groups[0]))
-        });
-        self.finals
+    pub(super) fn compared_groups(&self) -> Vec<&Group<'a>> {
+        self.chosen(&self.all)
+    }
+
+    /// The groups that are variants of a method: ablations of it.
+    pub(super) fn variant_groups(&self) -> Vec<&Group<'a>> {
+        self.all
             .iter()
-            .zip(is_distinct)
-            .filter(|(_, distinct)| *distinct)
-            .map(|(finals, _)| finals)
+            .zip(&self.compared)
+            .filter(|(_, compared)| !**compared)
+            .map(|(group, _)| group)
             .collect()
     }
 
-    pub(super) fn compared_groups(&self) -> Vec<&Group<'a>> {
-        self.chosen(&self.all)
+    /// Runs that stand for their method and may not be compared.
+    pub(super) fn left_out(&self) -> usize {
+        let count = |groups: &[&Group<'_>]| groups.iter().map(|group| group.runs.len()).sum::<usize>();
+        count(&self.compared_groups()) - count(&self.comparable.iter().collect::<Vec<_>>())
     }
 
     pub(super) fn compared_curves(&self) -> Vec<&Curve> {
@@ -90,8 +93,11 @@ impl<'a> Groups<'a> {
 }
 
 /// Methods over the environments that all of them share; empty where these are too few.
+#[derive(Default)]
 pub(super) struct Across<'a> {
     pub(super) environments: Vec<&'a str>,
+    /// Methods that lack too many environments.
+    pub(super) left_out: Vec<&'a GroupKey>,
     pub(super) aggregates: Vec<Aggregate<'a>>,
     pub(super) profiles: Vec<Profile<'a>>,
     pub(super) improvements: Vec<Improvement<'a>>,
@@ -100,24 +106,22 @@ pub(super) struct Across<'a> {
 
 impl<'a> Across<'a> {
     fn of(groups: &'a Groups<'_>, options: &Options) -> Self {
-        let shared = Shared::of(groups.chosen(&groups.finals));
+        let shared = Shared::of(&groups.finals);
         if shared.environments.len() < FEWEST_SHARED {
-            return Self {
-                environments: Vec::new(),
-                aggregates: Vec::new(),
-                profiles: Vec::new(),
-                improvements: Vec::new(),
-                efficiency: Vec::new(),
-            };
+            return Self::default();
         }
         let Options { window, resampling, .. } = *options;
-        let compared = groups.compared_groups();
+        let is_kept = |group: &&Group<'_>| {
+            shared.methods().iter().any(|(method, _)| method.cmp_method(&group.key).is_eq())
+        };
+        let kept: Vec<_> = groups.comparable.iter().filter(is_kept).collect();
         Self {
             aggregates: shared.aggregates(resampling),
             profiles: shared.profiles(resampling),
-            improvements: improvement::improvements(&shared, resampling),
-            efficiency: efficiency::curves(&compared, &shared.environments, window, resampling),
+            improvements: improvement::improvements(&groups.finals.iter().collect::<Vec<_>>(), resampling),
+            efficiency: efficiency::curves(&kept, &shared.environments, window, resampling),
             environments: shared.environments,
+            left_out: shared.left_out,
         }
     }
 }
@@ -150,7 +154,7 @@ impl<'a> Analysis<'a> {
         Self {
             rows,
             across: Across::of(groups, options),
-            comparisons: comparison::comparisons(&groups.distinct_finals(), resampling),
+            comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
             ablations: AXES.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
             ledger: ledger::ledger(&groups.all, window, resampling),
             heat,

@@ -133,7 +133,10 @@ fn across(
     }
     if !across.improvements.is_empty() {
         let svg = figure::improvements(&across.improvements, resampling, groups.keys())?;
-        drawings.push(drawing("improvement", "Probability of improvement", svg));
+        drawings.push(Drawing {
+            title: "Probability of improvement, environments that both methods have".to_owned(),
+            ..drawing("improvement", "", svg)
+        });
     }
     Ok(drawings)
 }
@@ -155,19 +158,20 @@ fn ablations(groups: &Groups<'_>, analysis: &Analysis<'_>) -> Result<Vec<Drawing
             .map(|(title, curves)| LearningPanel { title: title.clone(), curves: curves.iter().collect() })
             .collect();
         let keys = || labelled.iter().flat_map(|(_, curves)| curves).map(|curve| &curve.key);
+        let plain = format!("{} = {}", axis.symbol, axis.reference);
         let heading = |what: &str| format!("Figure {} of the paper, {what}: {}", axis.figure, axis.title);
         drawings.push(Drawing {
             name: format!("ablation-{}", axis.id),
             section: Section::Ablations,
             title: heading("all environments"),
-            svg: figure::learning(&panels, keys(), Progress::EnvironmentSteps)?,
+            svg: figure::ablation(&panels, keys(), &plain)?,
         });
         for (index, panel) in panels.iter().enumerate() {
             drawings.push(Drawing {
                 name: format!("ablation-{}-{}", axis.id, file_name(&panel.title, index)),
                 section: Section::Environment(panel.curves[0].key.environment.clone()),
                 title: heading(&panel.title),
-                svg: figure::learning(std::slice::from_ref(panel), keys(), Progress::EnvironmentSteps)?,
+                svg: figure::ablation(std::slice::from_ref(panel), keys(), &plain)?,
             });
         }
     }

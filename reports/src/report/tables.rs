@@ -30,7 +30,8 @@ impl Tables {
     pub(super) fn of(store: &Store, groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Options) -> Self {
         let Options { window, resampling, .. } = *options;
         let across = &analysis.across;
-        let aggregates = || table::aggregate_table(&across.aggregates, &across.environments, resampling);
+        let aggregates =
+            || table::aggregate_table(&across.aggregates, &across.environments, &across.left_out, resampling);
         let comparisons = || table::comparison_table(&analysis.comparisons, resampling);
         let dimensions = dimensions(groups, options);
         Self {
@@ -104,9 +105,22 @@ pub(super) fn files(
 
 /// What the report lacks, in words.
 pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Options) -> Vec<String> {
-    let mut lacking = missing::runs(&groups.compared_groups());
+    let mut lacking = missing::runs(&groups.all, &groups.compared_groups());
+    lacking.extend(missing::runs(&groups.all, &groups.variant_groups()));
+    lacking.extend(missing::of_the_paper(&groups.all));
     if analysis.across.environments.is_empty() {
-        lacking.push("sums over environments: fewer than two environments have every method".to_owned());
+        lacking.push("sums over environments: no two methods share two environments".to_owned());
+    }
+    for key in &analysis.across.left_out {
+        let name = format!("{}{}", methods::title(&key.curriculum), key.detail());
+        lacking.push(format!("sums over environments leave out {name}, which lacks too many of them"));
+    }
+    match groups.left_out() {
+        0 => {}
+        k => lacking.push(format!(
+            "comparisons, ledger and sums over environments rest on finished runs of the same evaluations; left \
+             out of all runs of methods: {k}"
+        )),
     }
     for (axis, ablations) in AXES.iter().zip(&analysis.ablations) {
         if ablations.is_empty() {

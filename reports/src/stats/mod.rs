@@ -10,6 +10,7 @@ mod permutation;
 mod power;
 mod proportion;
 mod rates;
+mod sign_flip;
 mod welch;
 
 pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified_intervals};
@@ -19,4 +20,5 @@ pub use permutation::{Permutation, permutation, permutations};
 pub use power::{effect_size, needed_seeds, power};
 pub use proportion::wilson_interval;
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};
+pub use sign_flip::{MOST_ENUMERATED, SignFlip, lowest_sign_flip_p, sign_flip};
 pub use welch::{Welch, holm, welch};

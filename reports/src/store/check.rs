@@ -64,6 +64,12 @@ fn misfit(record: &Record, run: &RunKey) -> Option<Fault> {
     if !(0.0..=1.0).contains(&record.success_rate) {
         return Some(range("success_rate", record.success_rate.to_string(), "a number in [0, 1]"));
     }
+    // Within rounding: shares are written with all digits they have.
+    let successes = record.success_rate * record.episodes as f64;
+    if (successes - successes.round()).abs() > 1e-6 {
+        let value = format!("{} of {} episodes", record.success_rate, record.episodes);
+        return Some(range("success_rate", value, "a whole number of successes"));
+    }
     if !(record.mean_return.is_finite() && record.mean_return <= 0.0) {
         return Some(range("mean_return", record.mean_return.to_string(), "a number of at most 0"));
     }

@@ -1,5 +1,5 @@
 //! What teachers did. Read apart from everything else, and for one run at a time: it is large, and only heat maps
-//! need it.
+//! need it. So a report reads, and checks, these files in mazes alone.
 
 use std::collections::BTreeMap;
 use std::path::Path;

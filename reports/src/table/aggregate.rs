@@ -2,10 +2,11 @@
 
 use polars::prelude::DataFrame;
 
-use super::cells::{decimal, with_interval};
+use super::cells::{BOOTSTRAP_COVERAGE, decimal, with_interval};
 use super::{Table, column};
 use crate::aggregate::{Aggregate, TARGET};
 use crate::error::ReportError;
+use crate::group::GroupKey;
 use crate::methods;
 use crate::stats::Resampling;
 
@@ -30,10 +31,20 @@ pub fn aggregate_frame(rows: &[Aggregate<'_>], environments: usize) -> Result<Da
     Ok(DataFrame::new(rows.len(), columns)?)
 }
 
+/// `TEACH (n=3)`.
+fn names(keys: &[&GroupKey]) -> Vec<String> {
+    keys.iter().map(|key| format!("{}{}", methods::title(&key.curriculum), key.detail())).collect()
+}
+
 const HEADER: [&str; 6] = ["Curriculum", "Variant", "Runs", "Mean", "IQM", "Optimality gap"];
 
-/// The aggregates as a table to read.
-pub fn aggregate_table(rows: &[Aggregate<'_>], environments: &[&str], resampling: Resampling) -> Table {
+/// The aggregates as a table to read; `left_out` are methods that lack too many environments.
+pub fn aggregate_table(
+    rows: &[Aggregate<'_>],
+    environments: &[&str],
+    left_out: &[&GroupKey],
+    resampling: Resampling,
+) -> Table {
     let cells = |row: &Aggregate<'_>| {
         [
             methods::title(&row.method.curriculum).to_owned(),
@@ -45,12 +56,17 @@ pub fn aggregate_table(rows: &[Aggregate<'_>], environments: &[&str], resampling
         ]
     };
     let caption = format!(
-        "Final success over the {} environments in which every method has results: {}. Mean: over environments of \
+        "Final success of finished runs over the {} environments in which every method here has results: {}.{} Mean: over environments of \
          the mean over seeds. IQM: interquartile mean of all runs. Optimality gap: how far runs fall short of \
          {TARGET} on average, less is better. Brackets: {} % percentile bootstrap intervals, stratified by \
-         environment.",
+         environment; they describe and decide nothing: {BOOTSTRAP_COVERAGE}.",
         environments.len(),
         environments.join(", "),
+        if left_out.is_empty() {
+            String::new()
+        } else {
+            format!(" Left out, for they lack more of them: {}.", names(left_out).join(", "))
+        },
         resampling.confidence * 100.0,
     );
     Table::new(caption, 2, HEADER, rows.iter().map(cells))

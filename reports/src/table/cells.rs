@@ -3,6 +3,10 @@
 /// A cell without a number.
 pub(super) const UNDEFINED: &str = "–";
 
+/// What captions say of bootstrap intervals over few seeds (measured by `bootstrap_intervals_of_few_seeds_cover_less`).
+pub(super) const BOOTSTRAP_COVERAGE: &str =
+    "such an interval of a mean of 5 seeds covers about 83 % at a nominal 95 %, of 7 seeds 88 %";
+
 /// A value as text, or a cell without a number.
 pub(super) fn or_undefined<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or(UNDEFINED.into(), text)

@@ -2,7 +2,7 @@
 
 use polars::prelude::DataFrame;
 
-use super::cells::{UNDEFINED, decimal, or_undefined, thousands, with_interval};
+use super::cells::{BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, thousands, with_interval};
 use super::{Table, column};
 use crate::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::error::ReportError;
@@ -16,6 +16,7 @@ use crate::stats::Resampling;
 /// [`ReportError::Frame`] if polars cannot hold the rows.
 pub fn comparison_frame(rows: &[Comparison<'_>]) -> Result<DataFrame, ReportError> {
     let columns = vec![
+        column("family", rows, |row| row.family.as_str()),
         column("environment", rows, |row| row.method.environment.as_str()),
         column("curriculum", rows, |row| row.method.curriculum.as_str()),
         column("variant", rows, |row| row.method.variant.as_str()),
@@ -23,28 +24,32 @@ pub fn comparison_frame(rows: &[Comparison<'_>]) -> Result<DataFrame, ReportErro
         column("reference_variant", rows, |row| row.reference.variant.as_str()),
         column("n_seeds", rows, |row| row.n.0 as u64),
         column("n_reference", rows, |row| row.n.1 as u64),
+        column("runs_left_out", rows, |row| row.left_out as u64),
         column("n_pairs", rows, |row| row.pairs as u64),
         column("difference", rows, |row| row.difference),
         column("difference_ci_low", rows, |row| row.difference_ci.map(|ci| ci.0)),
         column("difference_ci_high", rows, |row| row.difference_ci.map(|ci| ci.1)),
+        column("sign_flip_p", rows, |row| row.sign_flip.map(|test| test.p)),
         column("probability_of_improvement", rows, |row| row.probability_of_improvement),
         column("welch_t", rows, |row| row.welch.map(|test| test.t)),
         column("welch_df", rows, |row| row.welch.map(|test| test.df)),
         column("welch_p", rows, |row| row.welch.map(|test| test.p)),
         column("p_holm", rows, |row| row.p_holm),
         column("effect_size", rows, |row| row.effect_size),
+        column("level", rows, |row| row.level),
         column("power", rows, |row| row.power),
         column("needed_seeds", rows, |row| row.needed_seeds),
     ];
     Ok(DataFrame::new(rows.len(), columns)?)
 }
 
-const HEADER: [&str; 9] = [
+const HEADER: [&str; 10] = [
     "Environment",
     "Method",
     "Reference",
     "Pairs",
     "Difference",
+    "p (sign flips)",
     "P(improvement)",
     "p (Holm)",
     "Power",
@@ -60,6 +65,7 @@ pub fn comparison_table(rows: &[Comparison<'_>], resampling: Resampling) -> Tabl
             name(row.reference),
             row.pairs.to_string(),
             or_undefined(row.difference, |difference| with_interval(difference, row.difference_ci)),
+            or_undefined(row.sign_flip, |test| p_value(test.p)),
             or_undefined(row.probability_of_improvement, decimal),
             or_undefined(row.p_holm, p_value),
             or_undefined(row.power, decimal),
@@ -71,13 +77,16 @@ pub fn comparison_table(rows: &[Comparison<'_>], resampling: Resampling) -> Tabl
 
 fn caption(resampling: Resampling) -> String {
     format!(
-        "Final success of each method against the first method of its environment. Difference: method minus \
-         reference, mean over the seeds that both have, with its {} % paired bootstrap interval. P(improvement): \
-         probability that a random run of the method scores above one of the reference, ties counting one half. p: \
-         Welch's two-sided t-test, corrected by Holm's method for all tests of this table; {UNDEFINED} where neither \
-         side varies. A variant whose runs are those of the reference evaluation by evaluation is left out. Power: to find an effect of the observed size with the seeds at hand at level {ALPHA}; an \
-         observed effect makes it optimistic. Seeds needed: on each side, for a power of {TARGET_POWER}; {UNDEFINED} \
-         for more than 10,000.",
+        "Final success of each method against the first method of its environment, and of each variant of a method \
+         against its default, from finished runs of the same evaluations. Difference: method minus reference, mean over \
+         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): exact \
+         test of these pairs, uncorrected; it cannot fall below 0.016 for 7 pairs. P(improvement): probability that a \
+         random run of the method scores above one of the reference, ties counting one half. p (Holm): Welch's two-sided \
+         t-test, which does not use the pairs, corrected by Holm's method for all comparisons of methods, and for all of \
+         variants; {UNDEFINED} where neither side varies. Variants whose runs are those of the reference evaluation by \
+         evaluation are left out. Power: to find an effect of the observed size with the seeds at hand at the strictest \
+         level of that correction ({ALPHA} over the number of tests); an observed effect makes it optimistic. Seeds \
+         needed: on each side, for a power of {TARGET_POWER} at that level; {UNDEFINED} for more than 10,000.",
         resampling.confidence * 100.0,
     )
 }

@@ -5,6 +5,7 @@ use polars::prelude::DataFrame;
 use super::{Align, Table, column};
 use crate::environment::EnvironmentInfo;
 use crate::error::ReportError;
+use crate::paper;
 
 /// The environments as a data frame; null where the paper prints the true dimension.
 ///
@@ -26,6 +27,15 @@ pub fn environment_frame(rows: &[&EnvironmentInfo]) -> Result<DataFrame, ReportE
 const HEADER: [&str; 7] =
     ["Environment", "State", "Goal", "Action", "Action in the paper", "Horizon", "Note"];
 
+/// The action dimension that the paper prints.
+fn in_the_paper(row: &EnvironmentInfo) -> String {
+    match row.paper_action {
+        Some(action) => action.to_string(),
+        None if paper::TASKS.iter().any(|ids| ids.contains(&row.id.as_str())) => row.action.to_string(),
+        None => "not in the paper".to_owned(),
+    }
+}
+
 /// The environments as a table to read.
 pub fn environment_table(rows: &[&EnvironmentInfo]) -> Table {
     let cells = |row: &&EnvironmentInfo| {
@@ -34,7 +44,7 @@ pub fn environment_table(rows: &[&EnvironmentInfo]) -> Table {
             row.state.to_string(),
             row.goal.to_string(),
             row.action.to_string(),
-            row.paper_action.unwrap_or(row.action).to_string(),
+            in_the_paper(row),
             row.horizon.to_string(),
             row.note.clone(),
         ]

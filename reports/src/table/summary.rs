@@ -2,11 +2,12 @@
 
 use polars::prelude::DataFrame;
 
-use super::cells::{UNDEFINED, decimal, or_undefined, span, thousands, with_interval, with_spread};
+use super::cells::{
+    BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, span, thousands, with_interval, with_spread,
+};
 use super::{Table, column};
 use crate::curves::DDOF;
 use crate::error::ReportError;
-use crate::ledger::FEWEST_PAIRS;
 use crate::methods;
 use crate::stats::Resampling;
 use crate::summary::Row;
@@ -75,12 +76,12 @@ fn caption(window: usize, resampling: Resampling) -> String {
     format!(
         "Final success: success rate averaged over the last {window} evaluations of each seed, then mean ± standard \
          deviation over seeds (ddof = {DDOF}). IQM: interquartile mean over seeds of the same, with its \
-         {} % percentile bootstrap interval ({} resamples), which covers less than that for fewer than {FEWEST_PAIRS} \
-         seeds. Best mean: highest point of the mean curve. \
+         {} % percentile bootstrap interval ({} resamples), which describes and decides nothing: \
+         {BOOTSTRAP_COVERAGE}. Best mean: highest point of the mean curve. \
          AUC: area under the success rate over training steps divided by those steps, mean ± standard deviation \
          over seeds. Steps to 50 % and 80 %: the step by which at least half of the seeds had a mean success rate \
-         of 0.5 or 0.8 over their last {window} evaluations; {UNDEFINED} where fewer did; in \
-         parentheses the seeds that did, where some did not by their last evaluation (censored). Steps: training \
+         of 0.5 or 0.8 over {window} evaluations in a row; {UNDEFINED} where fewer did; in parentheses the seeds that did, \
+         where some did not by their last evaluation (censored): these count as later than all others. Steps: training \
          steps at the last evaluation, a range where seeds differ; Seeds: finished runs of all runs where some are \
          not finished.",
         confidence * 100.0,

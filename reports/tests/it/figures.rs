@@ -138,7 +138,12 @@ fn across(curves: &[&Curve]) -> [String; 3] {
     [
         figure::profiles(&profiles, 11, resampling, keys()).unwrap(),
         figure::aggregates(&shared.aggregates(resampling), resampling, keys()).unwrap(),
-        figure::improvements(&improvement::improvements(&shared, resampling), resampling, keys()).unwrap(),
+        figure::improvements(
+            &improvement::improvements(&finals.iter().collect::<Vec<_>>(), resampling),
+            resampling,
+            keys(),
+        )
+        .unwrap(),
     ]
 }
 

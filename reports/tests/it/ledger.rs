@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, write_configured};
+use super::support::{key, write_configured, write_run};
 use reports::ablation::{self, AXES};
 use reports::group;
 use reports::layout;
@@ -76,13 +76,18 @@ fn clear_results_are_judged() {
     }
     let vds = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
     assert!((vds.difference.unwrap() - 0.3).abs() < 1e-9);
-    assert_eq!((vds.pairs, vds.ahead, vds.environments.len()), (14, 2, 2));
+    assert_eq!((vds.pairs, vds.ahead, vds.behind, vds.environments.len()), (14, 2, 0, 2));
+    // All 14 differences have one sign.
+    assert_eq!(vds.p, Some(2_f64.powi(-13)));
     let area = &entries.iter().find(|entry| entry.id == "area-vds").unwrap();
     assert!((area.effect.difference.unwrap() - 0.15).abs() < 1e-9, "half of it: from 0 in a straight line");
     // Four baselines share a miss of 0.05.
     assert!((area.confidence - 0.9875).abs() < 1e-12);
     let interplay = entries.iter().find(|entry| entry.id == "interplay").unwrap();
-    assert!((interplay.effect.difference.unwrap() + 0.5).abs() < 1e-9, "the largest in size");
+    // Δ = 50 differs most, and against the claim; Δ = 5 is what confirms it.
+    assert_eq!(interplay.value.as_deref(), Some("Δ = 5"));
+    assert!((interplay.effect.difference.unwrap() - 0.15).abs() < 1e-9);
+    assert!(interplay.effect.interval.unwrap().0 > 0.0);
     // Two intervals share a miss of 0.05.
     assert!((interplay.confidence - 0.975).abs() < 1e-12);
 }
@@ -111,8 +116,8 @@ fn a_value_that_repeats_the_reference_is_not_tested() {
     report::write(path, &Options::default()).unwrap();
     let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
     let rows = |environment: &str| -> Vec<&str> {
-        let of_it = |line: &Vec<&str>| line[0] == environment;
-        csv.lines().map(|line| line.split(',').collect()).filter(of_it).map(|line| line[2]).collect()
+        let of_it = |line: &Vec<&str>| line[1] == environment;
+        csv.lines().map(|line| line.split(',').collect()).filter(of_it).map(|line| line[3]).collect()
     };
     assert_eq!((rows("MazeA"), rows("MazeB")), (vec!["delta=50"], vec!["delta=2"]));
 }
@@ -135,6 +140,59 @@ fn few_seeds_decide_nothing() {
     assert_eq!(entries[0].evidence, "no environment with 5 seeds of both");
 }
 
+/// Seeds 0 to 6 of TEACH and of VDS, which is ahead at every step; TEACH goes on for twice as long where VDS has not.
+fn race(results: &Path, finished: bool) -> Vec<Entry> {
+    for seed in 0..7 {
+        write_run(results, &key("E", "teach", "default", seed), &[0.0, 0.2, 0.6, 0.9]);
+        let behind = write_run(results, &key("E", "vds", "default", seed), &[0.0, 0.4, 0.8]);
+        if !finished {
+            fs::remove_file(behind.join(layout::OUTCOME)).unwrap();
+        }
+    }
+    entries(results)
+}
+
+#[test]
+fn a_baseline_that_was_cut_off_decides_nothing() {
+    for finished in [false, true] {
+        let results = TempDir::new().unwrap();
+        let entries = race(results.path(), finished);
+        for id in ["final-vds", "area-vds"] {
+            let entry = entries.iter().find(|entry| entry.id == id).unwrap();
+            assert_eq!((entry.verdict, entry.effect.pairs), (Verdict::Undecided, 0), "{entry:#?}");
+            let expected = "no environment with 5 seeds of both; 7 runs left out, not finished or with other evaluations";
+            assert_eq!(entry.evidence, expected);
+        }
+        report::write(results.path(), &Options::default()).unwrap();
+        let report = layout::report_dir(results.path());
+        let csv = fs::read_to_string(report.join("comparisons.csv")).unwrap();
+        let (header, row) = csv.split_once('\n').unwrap();
+        let row: Vec<&str> = row.trim().split(',').collect();
+        let field = |name: &str| row[header.split(',').position(|other| other == name).unwrap()];
+        assert_eq!(["n_seeds", "n_reference", "n_pairs", "runs_left_out"].map(field), ["0", "7", "0", "7"]);
+        assert_eq!(["difference", "welch_p", "p_holm", "probability_of_improvement"].map(field), [""; 4]);
+    }
+}
+
+#[test]
+fn what_cannot_reach_the_level_is_undecided_and_said() {
+    let results = TempDir::new().unwrap();
+    // Seven pairs of one sign have p = 1/64; four baselines ask for 1/80.
+    write_group(results.path(), "E", "teach", "default", 0.9, &teach(10, 1, "online"));
+    write_group(results.path(), "E", "vds", "default", 0.1, &json!({}));
+    let vds = || entries(results.path()).into_iter().find(|entry| entry.id == "final-vds").unwrap();
+    let entry = vds();
+    assert_eq!((entry.verdict, entry.effect.interval), (Verdict::Undecided, None));
+    assert_eq!(entry.effect.p, Some(1.0 / 64.0));
+    let expected = "ahead in 1 and behind in 0 of 1 environments, 7 pairs of runs; too few seeds: p of 7 pairs cannot fall \
+                    below 0.0156, 0.0125 is needed";
+    assert_eq!(entry.evidence, expected);
+    for (curriculum, rate) in [("teach", 0.9), ("vds", 0.1)] {
+        write_run(results.path(), &key("E", curriculum, "default", 7), &[0.0, rate]);
+    }
+    assert_eq!(vds().verdict, Verdict::Confirmed, "an eighth pair makes it 1/128");
+}
+
 #[test]
 fn environments_count_alike_whatever_their_seeds() {
     let results = TempDir::new().unwrap();
@@ -153,7 +211,7 @@ fn environments_count_alike_whatever_their_seeds() {
     let entries = entries(results.path());
     let effect = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
     assert_eq!(effect.environments, ["A", "B"]);
-    assert_eq!((effect.pairs, effect.ahead), (12, 1));
+    assert_eq!((effect.pairs, effect.ahead, effect.behind), (12, 1, 1));
     assert!((effect.difference.unwrap() - 0.2).abs() < 1e-9, "(0.6 - 0.2) / 2: {effect:?}");
 }
 

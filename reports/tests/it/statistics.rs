@@ -1,6 +1,8 @@
 //! Statistics against the numbers of numpy, scipy, statsmodels and rliable (`fixtures/statistics.py`).
 
 use proptest::prelude::*;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use reports::stats::{self, Ddof, Resampling};
 use serde_json::Value;
 
@@ -105,6 +107,93 @@ fn tests_of_means_agree() {
     let adjusted = stats::holm(&numbers(&expected["holm"]["p"]));
     for (got, expected) in adjusted.iter().zip(numbers(&expected["holm"]["adjusted"])) {
         assert_close(*got, expected, 1e-12);
+    }
+}
+
+#[test]
+fn permutation_tests_agree() {
+    let expected = fixture();
+    for case in expected["permutation"].as_array().unwrap() {
+        let test = stats::permutation(&numbers(&case["a"]), &numbers(&case["b"])).unwrap();
+        assert_close(test.lower, number(&case["lower"]), 1e-12);
+        assert_close(test.either, number(&case["either"]), 1e-12);
+    }
+    for case in expected["sign_flip"].as_array().unwrap() {
+        let strata = strata(&case["strata"]);
+        let resampling = Resampling { confidence: number(&case["confidence"]), ..Resampling::default() };
+        let test = stats::sign_flip(&slices(&strata), resampling).unwrap();
+        assert_close(test.p, number(&case["p"]), 1e-12);
+        let (interval, bounds) = (test.interval.unwrap(), numbers(&case["interval"]));
+        assert_close(interval.0, bounds[0], 1e-9);
+        assert_close(interval.1, bounds[1], 1e-9);
+    }
+}
+
+#[test]
+fn effect_sizes_and_median_steps_agree() {
+    let expected = fixture();
+    for case in expected["effect_size"].as_array().unwrap() {
+        let d = stats::effect_size(&numbers(&case["a"]), &numbers(&case["b"])).unwrap();
+        assert_close(d, number(&case["d"]), 1e-10);
+    }
+    for case in expected["median_steps"].as_array().unwrap() {
+        let times: Vec<Option<u64>> = case["times"].as_array().unwrap().iter().map(Value::as_u64).collect();
+        assert_eq!(reports::summary::median_steps(&times), case["median"].as_u64(), "{times:?}");
+    }
+}
+
+/// Final scores of a run: 100 episodes at a success probability that itself varies over seeds.
+fn score(rng: &mut ChaCha8Rng) -> f64 {
+    let rate = 0.6 + 0.15 * (0..12).map(|_| rng.random::<f64>() - 0.5).sum::<f64>();
+    (0..100).filter(|_| rng.random_bool(rate.clamp(0.0, 1.0))).count() as f64 / 100.0
+}
+
+/// The shares of 2,000 made-up experiments in which an interval excludes 0 though both sides of every pair come from one
+/// distribution: of the sign-flip test and of the bootstrap. `pairs` in each of the environments.
+fn false_alarms(pairs: &[usize], confidence: f64) -> (f64, f64) {
+    const EXPERIMENTS: usize = 2_000;
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let (mut flips, mut bootstraps) = (0, 0);
+    for _ in 0..EXPERIMENTS {
+        let strata: Vec<Vec<f64>> =
+            pairs.iter().map(|&n| (0..n).map(|_| score(&mut rng) - score(&mut rng)).collect()).collect();
+        let resampling = Resampling { confidence, resamples: 400, ..Resampling::default() };
+        let excludes =
+            |interval: Option<(f64, f64)>| interval.is_some_and(|(low, high)| low > 0.0 || high < 0.0);
+        let mean = |strata: &[Vec<f64>]| {
+            stats::mean(&strata.iter().filter_map(|stratum| stats::mean(stratum)).collect::<Vec<_>>())
+        };
+        let test = stats::sign_flip(&slices(&strata), resampling).unwrap();
+        assert_eq!(excludes(test.interval), test.p <= 1.0 - confidence + 1e-9, "{strata:?}");
+        flips += usize::from(excludes(test.interval));
+        bootstraps += usize::from(excludes(stats::stratified_interval(&slices(&strata), mean, resampling)));
+    }
+    (flips as f64 / EXPERIMENTS as f64, bootstraps as f64 / EXPERIMENTS as f64)
+}
+
+#[test]
+fn verdicts_are_wrong_no_more_often_than_they_say() {
+    // The levels of a single claim and of one of four baselines; 20 pairs are more than are enumerated.
+    for (pairs, confidence) in
+        [(&[5][..], 0.95), (&[7], 0.95), (&[7], 0.9875), (&[5, 5], 0.9875), (&[7, 6, 7], 0.9875)]
+    {
+        let (rate, _) = false_alarms(pairs, confidence);
+        let level: f64 = 1.0 - confidence;
+        // Three standard errors of 2,000 experiments.
+        let most = level + 3.0 * (level * confidence / 2_000.0).sqrt();
+        assert!(
+            rate <= most,
+            "{pairs:?} at {confidence}: {rate} of verdicts are false, at most {level} may be"
+        );
+    }
+}
+
+#[test]
+fn bootstrap_intervals_of_few_seeds_cover_less() {
+    // What captions say of them, and why no verdict rests on them.
+    for (pairs, coverage) in [(5, 0.83), (7, 0.88)] {
+        let (_, missed) = false_alarms(&[pairs], 0.95);
+        assert_close(1.0 - missed, coverage, 0.02);
     }
 }
 

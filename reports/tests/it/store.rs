@@ -128,6 +128,11 @@ fn numbers_outside_their_range_are_named() {
             "\"success_rate\":1.5",
             "success_rate is 1.5, line ignored; expected a number in [0, 1]",
         ),
+        (
+            "\"success_rate\":0.5",
+            "\"success_rate\":0.51",
+            "success_rate is 0.51 of 20 episodes, line ignored; expected a whole number of successes",
+        ),
         ("\"episodes\":20", "\"episodes\":0", "episodes is 0, line ignored; expected at least 1"),
         (
             "\"mean_return\":-50.0",

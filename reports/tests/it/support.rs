@@ -20,7 +20,7 @@ pub(crate) fn key(environment: &str, curriculum: &str, variant: &str, seed: u64)
     RunKey { environment: environment.into(), curriculum: curriculum.into(), variant: variant.into(), seed }
 }
 
-/// A finished run with an evaluation of 20 episodes every 1,000 steps, `rates` their success rates. Gives the
+/// A finished run with an evaluation of 20 episodes (or 1,000) every 1,000 steps, `rates` their success rates. Gives the
 /// folder of the run.
 pub(crate) fn write_run(results: &Path, run: &RunKey, rates: &[f64]) -> PathBuf {
     write_configured(results, run, rates, json!({"agent": {"width": 256}}))
@@ -50,6 +50,12 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
     folder
 }
 
+/// 20, or 1,000 where 20 episodes cannot have this success rate.
+fn episodes(success_rate: f64) -> u64 {
+    let successes = 20.0 * success_rate;
+    if (successes - successes.round()).abs() < 1e-6 { 20 } else { 1_000 }
+}
+
 pub(crate) fn record(run: &RunKey, eval_index: u64, success_rate: f64) -> Record {
     Record {
         environment: run.environment.clone(),
@@ -58,7 +64,7 @@ pub(crate) fn record(run: &RunKey, eval_index: u64, success_rate: f64) -> Record
         seed: run.seed,
         step: 1_000 * eval_index,
         eval_index,
-        episodes: 20,
+        episodes: episodes(success_rate),
         success_rate,
         mean_return: -50.0,
         gradient_steps: 400 * eval_index,

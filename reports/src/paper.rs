@@ -1,0 +1,28 @@
+//! What the paper (TEACH, arXiv 2512.22824) compares.
+
+/// Its own method, as a curriculum id.
+pub const METHOD: &str = "teach";
+
+/// Its baselines, as curriculum ids.
+pub const BASELINES: [&str; 4] = ["vds", "procurl", "space", "her-iid"];
+
+/// Its environments, as environment ids. Where its names and its appendix B describe different goals, the task counts
+/// as there under either id: first that of the name, then those of the appendix.
+pub const TASKS: [&[&str]; 11] = [
+    &["MazeA"],
+    &["MazeB"],
+    &["MazeC"],
+    &["FetchReach"],
+    &["FetchPush"],
+    &["FetchSlide"],
+    &["FetchPickAndPlace"],
+    &["HandReach"],
+    &["HandManipulateBlock", "HandManipulateBlockRotateZ", "HandManipulateBlockRotateParallel"],
+    &["HandManipulatePen", "HandManipulatePenRotate"],
+    &["HandManipulateEgg", "HandManipulateEggRotate"],
+];
+
+/// All its methods.
+pub fn methods() -> impl Iterator<Item = &'static str> {
+    std::iter::once(METHOD).chain(BASELINES)
+}
