@@ -83,6 +83,15 @@ fn mistyped_config_keys_on_the_command_line_are_named_with_the_accepted_ones() {
     refused(&set("budget.stps=5"), &["budget.stps", "did you mean `steps`?"]);
     refused(&set("curriculum.teach.window=0"), &["curriculum.teach.window"]);
     refused(&set("curriculum.teach.confidence=both"), &["curriculum.teach.confidence", "online, target"]);
+    let noise = "student.noise={ kind = 'ornstein-uhlenbeck', sigma = 0.3 }";
+    for setting in [noise, "student.noise.kind=ornstein-uhlenbeck"] {
+        let output = goalbench(&[&set(setting)[..], &["--dry-run"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    refused(
+        &set("student.noise={ kind = 'ornstein-uhlenbeck', std = 0.3 }"),
+        &["student.noise.std", "theta"],
+    );
     refused(&set("student.preset=best"), &["student.preset", "harmonised, official"]);
     refused(&set("budget.steps=many"), &["budget.steps"]);
 }

@@ -153,11 +153,16 @@ fn nest(path: &[&str], value: Value) -> Table {
     table
 }
 
-/// Lays `over` upon `base`: tables merge, everything else is replaced.
+/// Lays `over` upon `base`: tables merge, everything else is replaced; so is a table of another `kind`, whose fields are others.
 pub fn merge(base: &mut Table, over: &Table) {
+    let other_kind = |below: &Table, above: &Table| {
+        above.get("kind").is_some_and(|kind| below.get("kind").is_some_and(|other| other != kind))
+    };
     for (key, value) in over {
         match (base.get_mut(key), value) {
-            (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),
+            (Some(Value::Table(below)), Value::Table(above)) if !other_kind(below, above) => {
+                merge(below, above)
+            }
             _ => {
                 base.insert(key.clone(), value.clone());
             }
@@ -177,6 +182,16 @@ pub fn place_of(layers: &[Layer], path: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_of_another_kind_replaces_the_one_below() {
+        let table = |text: &str| text.parse::<Table>().expect("TOML");
+        let mut base = table("noise = { kind = 'a', x = 1 }\nrest = { y = 2 }");
+        merge(&mut base, &table("noise = { x = 3 }\nrest = { z = 4 }"));
+        assert_eq!(base, table("noise = { kind = 'a', x = 3 }\nrest = { y = 2, z = 4 }"));
+        merge(&mut base, &table("noise = { kind = 'b', w = 5 }"));
+        assert_eq!(base["noise"], Value::Table(table("kind = 'b'\nw = 5")));
+    }
 
     #[test]
     fn set_reads_toml_values_and_plain_words() {
