@@ -29,7 +29,7 @@ fn pattern(dash: Dash) -> Option<&'static [f64]> {
         Dash::Long => Some(&[24.0, 9.0]),
         Dash::Short => Some(&[15.0, 10.0]),
         Dash::Dotted => Some(&[6.0, 8.0]),
-        Dash::DashDot => Some(&[32.0, 10.0, 6.0, 10.0]),
+        Dash::DashDot => Some(&[16.0, 8.0, 5.0, 8.0]),
         Dash::Sparse => Some(&[10.0, 30.0]),
     }
 }
