@@ -17,6 +17,7 @@ pub mod protocol;
 mod registry;
 pub mod regress;
 pub mod run;
+mod sha256;
 pub mod status;
 pub mod suggest;
 pub mod tracking;

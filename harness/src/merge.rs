@@ -10,8 +10,7 @@ use reports::record::{Manifest, Outcome};
 use crate::error::HarnessError;
 use crate::executor::is_locked;
 use crate::run::checkpoint::{CHECKPOINT, REPLAY};
-use crate::run::folder::{self, CHECKSUMS, read_json};
-use crate::run::manifest;
+use crate::run::folder::{self, CHECKSUMS};
 use crate::status::find_runs;
 use crate::tracking::EVENTS;
 
@@ -79,13 +78,11 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
 }
 
 fn read(source: &Path, folder: PathBuf) -> Result<Found, HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let damaged = |reason: String| HarnessError::Damaged { path: path.clone(), reason };
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("it disappeared".into()))?;
+    let (manifest, _) = folder::read_manifest(&folder)?;
     if folder != layout::run_dir(source, &manifest.run) {
-        return Err(damaged(format!("belongs to the run {}, which does not lie here", manifest.run)));
+        let reason = format!("belongs to the run {}, which does not lie here", manifest.run);
+        return Err(HarnessError::Damaged { path: folder.join(layout::MANIFEST), reason });
     }
-    manifest::config(&manifest).map_err(damaged)?;
     if is_locked(&folder) {
         // Its files do not stay together while they are copied.
         return Err(HarnessError::Locked { folder });

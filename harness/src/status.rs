@@ -4,14 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::layout;
-use reports::record::{Crash, Manifest, Outcome, Record, RunKey, Timing};
+use reports::record::{Crash, Outcome, Record, RunKey, Timing};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::HarnessError;
 use crate::executor::is_locked;
-use crate::run::folder::{self, read_json};
-use crate::run::manifest;
+use crate::run::folder;
 
 /// What a run is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -121,10 +120,8 @@ fn key_of(folder: &Path) -> RunKey {
 }
 
 fn run_status(folder: &Path) -> Result<RunStatus, HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let damaged = |reason: String| HarnessError::Damaged { path: path.clone(), reason };
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("it disappeared".into()))?;
-    let steps = manifest::config(&manifest).map_err(damaged)?.budget.steps;
+    let (manifest, config) = folder::read_manifest(folder)?;
+    let steps = config.budget.steps;
     let record: Option<Record> = last_line(&folder.join(layout::RECORDS));
     let timing: Option<Timing> = last_line(&folder.join(layout::TIMING));
     let (activity, reason) = match folder::outcome(folder, &manifest)? {

@@ -9,7 +9,6 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use reports::record::Manifest;
 use serde::{Deserialize, Serialize};
 
 use super::local::{self, Conduct};
@@ -18,7 +17,6 @@ use super::{Ending, Job};
 use crate::error::HarnessError;
 use crate::progress;
 use crate::run::folder::{self, State, read_json};
-use crate::run::manifest;
 
 /// What a user says about the job array.
 #[derive(Clone, Debug, Default)]
@@ -211,12 +209,9 @@ pub fn task(list: &Path, index: usize) -> Result<(Vec<Job>, Vec<Ending>), Harnes
 
 /// The run that `folder` was prepared for.
 fn job(folder: &Path) -> Result<Job, HarnessError> {
-    let path = folder.join(reports::layout::MANIFEST);
-    let damaged = |reason: String| HarnessError::Damaged { path: path.clone(), reason };
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("there is no manifest".into()))?;
-    let steps = manifest::config(&manifest).map_err(damaged)?.budget.steps;
+    let (manifest, config) = folder::read_manifest(folder)?;
     let state = folder::inspect(folder, &manifest)?;
-    Ok(Job { manifest, steps, folder: folder.to_owned(), state })
+    Ok(Job { manifest, steps: config.budget.steps, folder: folder.to_owned(), state })
 }
 
 #[cfg(test)]

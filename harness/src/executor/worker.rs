@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use agents::AgentError;
 use reports::layout;
-use reports::record::{Manifest, Outcome, Record, RunKey, Teaching};
+use reports::record::{Outcome, Record, RunKey, Teaching};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::Lock;
@@ -19,8 +19,7 @@ use super::event::Event;
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
-use crate::run::folder::{self, Progress, Recorder, read_json};
-use crate::run::manifest;
+use crate::run::folder::{self, Progress, Recorder};
 use crate::run::train::{End, Phase, RunError, Trainer, TrainerState, Watcher, Wish};
 
 /// At most one [`Event::Step`] in this time.
@@ -37,10 +36,7 @@ const LOCK_PAUSE: Duration = Duration::from_millis(50);
 /// # Errors
 /// [`HarnessError`] if the run could not be begun or recorded. A run that breaks down is no error: that is its outcome.
 pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Option<Outcome>, HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("there is no manifest".into()))?;
-    let config = manifest::config(&manifest).map_err(damaged)?;
+    let (manifest, config) = folder::read_manifest(folder)?;
     let key = &manifest.run;
     registry.check(key)?;
 

@@ -12,6 +12,7 @@ use super::config::{self, Fields};
 use crate::error::HarnessError;
 use crate::protocol::plan::{Plan, PlannedRun};
 use crate::run::folder::read_json;
+use crate::sha256;
 
 /// Name of the teacher's number that [`Curve::effective_goals`] averages.
 const EFFECTIVE_GOALS: &str = "effective_goals";
@@ -173,7 +174,7 @@ fn recorded(results: &Path, run: &PlannedRun) -> Result<(Vec<Record>, Curve), Ha
     let records: Vec<Record> = text.lines().enumerate().map(line).collect::<Result<_, _>>()?;
     let successes =
         records.iter().map(|record| (record.success_rate * record.episodes as f64).round() as u64).collect();
-    let digest = config::hex(text.as_bytes())[..DIGEST].to_owned();
+    let digest = sha256::hex(text.as_bytes())[..DIGEST].to_owned();
     let curve = Curve { records: digest, successes, effective_goals: effective_goals(&records) };
     Ok((records, curve))
 }

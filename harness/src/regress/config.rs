@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use crate::protocol::plan::PlannedRun;
+use crate::sha256;
 
 /// Config fields by path, as in `student.batch`.
 pub type Fields = BTreeMap<String, Value>;
@@ -53,12 +53,7 @@ pub fn own(config: &Fields, common: &Fields) -> Fields {
 /// SHA-256 of a config, in hex.
 pub fn hash(config: &Fields) -> String {
     let text = serde_json::to_string(config).expect("a config is plain data");
-    hex(text.as_bytes())
-}
-
-/// SHA-256 of `bytes`, in hex.
-pub(super) fn hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256::hex(text.as_bytes())
 }
 
 /// The fields in which two configs differ, in words.

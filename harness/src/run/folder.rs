@@ -16,6 +16,7 @@ use tempfile::NamedTempFile;
 
 use super::checkpoint::CHECKPOINT;
 use super::manifest::{self, differences};
+use crate::config::RunConfig;
 use crate::error::HarnessError;
 pub use checksums::CHECKSUMS;
 pub use recorder::{Progress, Recorder};
@@ -92,6 +93,18 @@ pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
         fs::remove_file(&path).map_err(HarnessError::io(path, "remove this file"))?;
     }
     Ok(())
+}
+
+/// The manifest in a run's folder, with its config.
+///
+/// # Errors
+/// [`HarnessError::Damaged`] if there is none, or it is not what was written.
+pub fn read_manifest(folder: &Path) -> Result<(Manifest, RunConfig), HarnessError> {
+    let path = folder.join(layout::MANIFEST);
+    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
+    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("there is no manifest".into()))?;
+    let config = manifest::config(&manifest).map_err(damaged)?;
+    Ok((manifest, config))
 }
 
 /// Reads a JSON file; `None` if there is none.

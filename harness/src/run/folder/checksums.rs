@@ -7,10 +7,10 @@ use std::path::Path;
 use reports::layout;
 use reports::record::Manifest;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::{read_json, write_json};
 use crate::error::HarnessError;
+use crate::sha256::hex;
 
 /// Name of the file in a run's folder.
 pub const CHECKSUMS: &str = "checksums.json";
@@ -33,7 +33,7 @@ struct Checksums {
 /// # Errors
 /// If a file cannot be read or the checksums cannot be written.
 pub(super) fn write(folder: &Path, run: &str) -> std::io::Result<()> {
-    let sums = FILES.iter().map(|name| Ok((name.to_string(), sha256(&fs::read(folder.join(name))?))));
+    let sums = FILES.iter().map(|name| Ok((name.to_string(), hex(&fs::read(folder.join(name))?))));
     let sha256 = sums.collect::<std::io::Result<_>>()?;
     write_json(&folder.join(CHECKSUMS), &Checksums { run: run.to_owned(), sha256 })
 }
@@ -55,13 +55,9 @@ pub(super) fn verify(folder: &Path, manifest: &Manifest) -> Result<(), HarnessEr
     for name in FILES {
         let bytes =
             fs::read(folder.join(name)).map_err(HarnessError::io(folder.join(name), "read this file"))?;
-        if noted.sha256.get(name) != Some(&sha256(&bytes)) {
+        if noted.sha256.get(name) != Some(&hex(&bytes)) {
             return Err(damaged(name, "was cut off or altered after the run ended"));
         }
     }
     Ok(())
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
