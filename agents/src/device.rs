@@ -54,11 +54,23 @@ fn load_cuda() -> Result<(), String> {
         ));
     }
     open_globally(&library).map_err(|error| format!("{} does not load: {error}", library.display()))?;
-    if tch::Cuda::is_available() {
-        Ok(())
-    } else {
-        Err("libtorch sees no usable CUDA device; is an NVIDIA driver installed?".to_owned())
+    // Tried out, because whether a device is there is answered with no more than no.
+    match tch::Tensor::f_zeros([1], (tch::Kind::Float, tch::Device::Cuda(0))) {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            let text = error.to_string();
+            Err(format!("libtorch cannot use it: {}", text.lines().next().unwrap_or_default()))
+        }
     }
+}
+
+/// Whether loops over plain numbers reach the memory of `device`: the CPU's alone.
+pub(crate) fn in_reach(device: tch::Device) -> bool {
+    #[cfg(test)]
+    if tests::FAR.get() {
+        return false;
+    }
+    device == tch::Device::Cpu
 }
 
 #[allow(unsafe_code, reason = "dlopen runs the library's initialisers")]
@@ -71,9 +83,24 @@ fn open_globally(library: &std::path::Path) -> Result<(), libloading::Error> {
     Ok(())
 }
 
+/// Runs `work` as if no memory were in reach: what would run on a GPU, on the CPU.
+#[cfg(test)]
+pub(crate) fn far_away<T>(work: impl FnOnce() -> T) -> T {
+    tests::FAR.set(true);
+    let result = work();
+    tests::FAR.set(false);
+    result
+}
+
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::Device;
+
+    thread_local! {
+        pub(super) static FAR: Cell<bool> = const { Cell::new(false) };
+    }
 
     #[test]
     fn the_cpu_is_always_there() {

@@ -218,7 +218,7 @@ impl Ensemble {
         let shared = inputs.block.rows(0, rows)?.repeated(self.config.members)?;
         passes.forward(self.learner.networks.network(Network::Online), &shared)?;
         let lowest = self.discount.lowest_value();
-        read(&passes.output().whole, |numbers| {
+        read(&passes.output().plain.whole, |numbers| {
             if numbers.iter().any(|q| !q.is_finite()) {
                 return Err(AgentError::NotFinite { what: "ensemble's value", gradient_steps: self.steps });
             }

@@ -3,6 +3,7 @@
 use tch::{Device, Kind, TchError, Tensor};
 
 use crate::batch::{Batch, Dims};
+use crate::device::in_reach;
 use crate::error::AgentError;
 use crate::networks::{Block, copy, with_slices};
 use crate::normalizer::Normalizer;
@@ -43,7 +44,7 @@ impl InputMatrix {
     pub(crate) fn new(members: usize, rows: usize, columns: usize, device: Device) -> Result<Self, TchError> {
         let size = [members as i64, rows as i64, columns as i64];
         let host = Tensor::f_zeros(size, (Kind::Float, Device::Cpu))?;
-        let block = if device == Device::Cpu {
+        let block = if in_reach(device) {
             Block::new(host.shallow_clone())?
         } else {
             Block::zeros(members, rows, columns, device)?
@@ -54,7 +55,7 @@ impl InputMatrix {
     /// Lets `write` fill the numbers, row after row, and sends them to the device.
     pub(crate) fn fill(&mut self, write: impl FnOnce(&mut [f32])) -> Result<(), TchError> {
         with_slices([&self.host], [], |[numbers], []| write(numbers));
-        if self.block.plain.whole.device() != Device::Cpu {
+        if !self.block.plain.on_cpu {
             copy(&self.block.plain.whole, &self.host)?;
         }
         Ok(())
@@ -103,7 +104,7 @@ const ROWS_PER_PART: usize = 512;
 
 /// The largest divisor of `n` up to [`ROWS_PER_PART`], or `n` itself where a quarter of that is out of reach.
 pub(crate) fn rows_per_part(n: usize, device: Device) -> usize {
-    if device != Device::Cpu {
+    if !in_reach(device) {
         return n;
     }
     let fitting = (ROWS_PER_PART / 4..=ROWS_PER_PART).rev().find(|rows| n.is_multiple_of(*rows));

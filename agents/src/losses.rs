@@ -115,7 +115,7 @@ pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64,
     Ok(loss)
 }
 
-/// Adds the slope of λ·mean π² in π to `slope` (`[E, rows, A]` both) and returns these rows' part of λ·mean π², summed
+/// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean π², summed
 /// over the learners.
 pub(crate) fn penalty_part(
     actions: &Views,
@@ -123,7 +123,7 @@ pub(crate) fn penalty_part(
     n: usize,
     slope: &Views,
 ) -> Result<f64, TchError> {
-    let components = (n as i64 * actions.whole.size()[2]) as f64;
+    let components = (n as i64 * actions.whole.size()[1]) as f64;
     if !actions.on_cpu {
         let own = actions.whole.f_mul_scalar(2.0 * action_l2 / components)?;
         let _ = slope.whole.f_add_out(&slope.whole, &own)?;
@@ -180,9 +180,9 @@ mod tests {
         assert_eq!(action_penalty_slope(-0.5, 3.0, 6.0), -0.5);
     }
 
-    /// Two learners, two rows of `columns` numbers each; by loops over the numbers, or as another device would.
-    fn views(columns: i64, numbers: &[f32], looped: bool) -> Views {
-        let mut views = Views::new(Tensor::from_slice(numbers).view([2, 2, columns])).unwrap();
+    /// Of two learners, each so many rows and columns; by loops over the numbers, or as another device would.
+    fn views([rows, columns]: [i64; 2], numbers: &[f32], looped: bool) -> Views {
+        let mut views = Views::new(Tensor::from_slice(numbers).view([2, rows, columns])).unwrap();
         views.on_cpu = looped;
         views
     }
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn matrices_agree_with_the_equations_on_every_device() {
         for looped in [true, false] {
-            let column = |numbers: [f32; 4]| views(1, &numbers, looped);
+            let column = |numbers: [f32; 4]| views([2, 1], &numbers, looped);
             let (targets, slope) = (column([0.0; 4]), column([0.0; 4]));
             let (rewards, next) = (column([-1.0, 0.0, -1.0, 0.0]), column([-2.0, 1.0, -8.0, -1.0]));
             write_targets(&rewards, &next, Discount { gamma: 0.75 }, &targets).unwrap();
@@ -214,11 +214,12 @@ mod tests {
             assert!((loss - 5.25 / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[-0.25; 4]);
 
-            let actions = views(2, &[1.0, -0.5, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0], looped);
-            let slope = views(2, &[1.0; 8], looped);
-            let loss = penalty_part(&actions, 2.0, 4, &slope).unwrap();
-            assert!((loss - 2.0 * 2.5 / 8.0).abs() < 1e-6, "{loss}");
-            assert_numbers(&slope, &[1.5, 0.75, 1.0, 1.25, 1.0, 1.0, 1.0, 0.5]);
+            // Three components in two rows.
+            let numbers = [1.0, -0.5, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0];
+            let (actions, slope) = (views([3, 2], &numbers, looped), views([3, 2], &[1.0; 12], looped));
+            let loss = penalty_part(&actions, 3.0, 4, &slope).unwrap();
+            assert!((loss - 3.0 * 2.5 / 12.0).abs() < 1e-6, "{loss}");
+            assert_numbers(&slope, &[1.5, 0.75, 1.0, 1.25, 1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 1.0, 1.0]);
         }
     }
 }

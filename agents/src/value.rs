@@ -42,10 +42,10 @@ impl ValueLearner {
     pub(crate) fn add_gradient(&mut self, part: &Part, n: usize) -> Result<f64, TchError> {
         let Self { networks, passes, targets, discount } = self;
         passes.forward(networks.network(Network::Target), &part.next.all)?;
-        write_targets(&part.rewards.plain, passes.output(), *discount, &targets.plain)?;
+        write_targets(&part.rewards.plain, &passes.output().plain, *discount, &targets.plain)?;
         passes.forward(networks.network(Network::Online), &part.current.all)?;
         let slope = &passes.output_gradient().plain;
-        let loss = critic_part(passes.output(), &targets.plain, n, slope)?;
+        let loss = critic_part(&passes.output().plain, &targets.plain, n, slope)?;
         let (online, gradient) = networks.for_backward();
         passes.backward_parameters(online, &part.current.all, gradient)?;
         Ok(loss)

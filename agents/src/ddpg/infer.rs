@@ -30,6 +30,8 @@ struct Query {
     views: QueryViews,
     actor: Passes,
     critic: Passes,
+    /// The policy's answers, row after row: at most capacity · A numbers.
+    answers: Vec<f32>,
 }
 
 /// The rows in use.
@@ -58,7 +60,8 @@ impl Query {
         let inputs = InputMatrix::new(1, rows, dims.critic_inputs(), device)?;
         let views = QueryViews::new(&inputs.block, rows, dims)?;
         let passes = |shape| Passes::new(shape, 1, rows, device);
-        Ok(Self { dims, views, inputs, actor: passes(actor)?, critic: passes(critic)? })
+        let answers = Vec::with_capacity(rows * dims.action);
+        Ok(Self { dims, views, inputs, actor: passes(actor)?, critic: passes(critic)?, answers })
     }
 
     /// Uses the first `rows` rows.
@@ -78,7 +81,12 @@ impl Query {
         work: impl FnOnce(&[f32]) -> T,
     ) -> Result<T, AgentError> {
         self.actor.forward(learner.actor.network(network), &self.views.observed)?;
-        read_finite(&self.actor.output().whole, "policy's action", learner.steps, work)
+        let (rows, answers) = (self.views.rows, &mut self.answers);
+        read_finite(&self.actor.output().transposed.whole, "policy's action", learner.steps, |by_columns| {
+            answers.clear();
+            answers.extend((0..rows).flat_map(|row| by_columns[row..].iter().step_by(rows)));
+            work(answers)
+        })
     }
 
     /// Q(s, g, π(s, g)) of the rows in use, shape `[rows]`, to `work`.
@@ -89,9 +97,9 @@ impl Query {
         work: impl FnOnce(&[f32]),
     ) -> Result<(), AgentError> {
         self.actor.forward(learner.actor.network(network), &self.views.observed)?;
-        copy(&self.views.actions.plain.whole, &self.actor.output().whole)?;
+        copy(&self.views.actions.plain.whole, &self.actor.output().plain.whole)?;
         self.critic.forward(learner.critic.networks.network(network), &self.views.all)?;
-        read_finite(&self.critic.output().whole, "critic's value", learner.steps, work)
+        read_finite(&self.critic.output().plain.whole, "critic's value", learner.steps, work)
     }
 }
 

@@ -10,6 +10,7 @@ use crate::agent::Network;
 use crate::auto::Auto;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
+use crate::device::far_away;
 use crate::inputs::{Normalizers, rows_per_part};
 use crate::losses::Discount;
 use crate::networks::{Output, Shape, Stack, Trained};
@@ -43,8 +44,13 @@ impl Mlp {
         let mut parameters = Vec::new();
         for layer in 0..=shape.layers {
             let inputs = if layer == 0 { shape.inputs } else { shape.width };
-            let outputs = if layer == shape.layers { shape.outputs } else { shape.width };
-            parameters.extend([take(&[inputs, outputs]), take(&[outputs])]);
+            let weight = if layer == shape.layers {
+                take(&[shape.outputs, inputs]).tr()
+            } else {
+                take(&[inputs, shape.width])
+            };
+            let outputs = weight.size()[1] as usize;
+            parameters.extend([weight, take(&[outputs])]);
         }
         assert_eq!(start, numbers.len(), "all parameters read");
         Self { output: shape.output, parameters }
@@ -246,13 +252,27 @@ fn largest_relative_error(got: &[Tensor], expected: &[Tensor]) -> f64 {
     got.iter().zip(expected).map(error).fold(0.0, f64::max)
 }
 
+/// The kernels that a GPU would run take the same steps.
+#[test]
+fn gradients_on_another_device_are_those_of_automatic_differentiation() {
+    far_away(|| {
+        assert_eq!(rows_per_part(1024, Device::Cpu), 1024);
+        check_gradients(&[(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7)]);
+    });
+}
+
 #[test]
 fn gradients_are_those_of_automatic_differentiation() {
-    crate::prepare_thread();
-    let mut rng = stream(0, Purpose::Weights);
     // 7 are one part of an odd size, 1024 come in several.
     assert!(rows_per_part(1024, Device::Cpu) < 1024);
-    for (layers, n) in [(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7), (3, 256), (3, 1024)] {
+    check_gradients(&[(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7), (3, 256), (3, 1024)]);
+}
+
+/// With networks of so many layers and batches of so many transitions.
+fn check_gradients(cases: &[(usize, usize)]) {
+    crate::prepare_thread();
+    let mut rng = stream(0, Purpose::Weights);
+    for &(layers, n) in cases {
         let mut learner = learner(layers, n, &mut rng);
         let normalizers = normalizers(&mut rng);
         let batch = batch(n, &mut rng);
@@ -289,6 +309,15 @@ fn drift(got: &Mlp, expected: &Mlp, start: &Mlp) -> f64 {
 
 #[test]
 fn two_hundred_updates_follow_automatic_differentiation_with_adam() {
+    check_updates();
+}
+
+#[test]
+fn two_hundred_updates_on_another_device_follow_automatic_differentiation_with_adam() {
+    far_away(check_updates);
+}
+
+fn check_updates() {
     const POLYAK: f64 = 0.95;
     crate::prepare_thread();
     let mut rng = stream(1, Purpose::Weights);

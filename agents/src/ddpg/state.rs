@@ -11,7 +11,7 @@ use crate::networks::SavedStack;
 use crate::normalizer::Moments;
 use crate::seal::Seal;
 
-const SEAL: Seal = Seal { magic: *b"GBDH", version: 1, what: "a student's state" };
+const SEAL: Seal = Seal { magic: *b"GBDH", version: 2, what: "a student's state" };
 
 /// Everything that a student is beside its config and its replay buffer.
 #[derive(Serialize, Deserialize)]

@@ -87,7 +87,7 @@ impl Learner {
         let Self { actor, critic, actor_passes, inputs, .. } = self;
         let part = &inputs.parts[part];
         actor_passes.forward(actor.network(Network::Target), &part.next.observed)?;
-        copy(&part.next.actions.plain.whole, &actor_passes.output().whole)?;
+        copy(&part.next.actions.plain.whole, &actor_passes.output().plain.whole)?;
         critic.add_gradient(part, inputs.n)
     }
 
@@ -98,13 +98,13 @@ impl Learner {
         let (part, n) = (&inputs.parts[part], inputs.n);
         actor_passes.forward(actor.network(Network::Online), &part.current.observed)?;
         // The critic has learned from the actions that lay here; now it judges the policy's.
-        copy(&part.current.actions.plain.whole, &actor_passes.output().whole)?;
+        copy(&part.current.actions.plain.whole, &actor_passes.output().plain.whole)?;
         let judge = critic.networks.network(Network::Online);
         critic.passes.forward(judge, &part.current.all)?;
-        let mut loss = value_part(critic.passes.output(), n, &critic.passes.output_gradient().plain)?;
+        let mut loss = value_part(&critic.passes.output().plain, n, &critic.passes.output_gradient().plain)?;
         let slope = actor_passes.output_gradient();
         critic.passes.backward_input(judge, action_weights, slope)?;
-        loss += penalty_part(actor_passes.output(), rates.action_l2, n, &slope.plain)?;
+        loss += penalty_part(&actor_passes.output().transposed, rates.action_l2, n, &slope.transposed)?;
         let (online, gradient) = actor.for_backward();
         actor_passes.backward_parameters(online, &part.current.observed, gradient)?;
         Ok(loss)

@@ -8,6 +8,7 @@ use crate::agent::{Agent, Critic, Episode, Mode, Network};
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::{Preset, StudentConfig};
+use crate::device::far_away;
 use crate::error::AgentError;
 use crate::networks::Trained;
 use crate::noise::{Noise, NoiseConfig};
@@ -190,4 +191,38 @@ fn networks_have_the_shape_of_preset_and_task() {
     assert_eq!(parameters(Preset::Harmonised, Family::Fetch), [actor, critic]);
     assert_eq!(parameters(Preset::Harmonised, Family::Hand), deeper);
     assert_eq!(parameters(Preset::Official, Family::Fetch), deeper);
+}
+
+/// What a GPU would do, done on the CPU: other kernels, inputs that are sent, a batch in one part.
+#[test]
+fn a_student_on_another_device_learns_and_answers_alike() {
+    let answers = || {
+        let config = StudentConfig { batch: Auto::Value(1024), updates_per_cycle: 5, ..small() };
+        let (mut student, env, mut rng) = scene(&config);
+        (0..4).for_each(|e| student.observe(&episode(e), env.as_ref(), &mut rng).unwrap());
+        (0..2).for_each(|_| student.learn(env.as_ref(), &mut rng).unwrap());
+        let [mut states, mut goals] = [2, 2].map(Rows::new);
+        for i in 0..3 {
+            states.push(&[0.5 * f64::from(i), 1.0]);
+            goals.push(&[1.0, 0.3 * f64::from(i)]);
+        }
+        let observation = Observation { state: vec![1.0, 2.0], achieved: vec![0.0, 0.0] };
+        let mut answers = vec![0.0; 2];
+        student.act(&observation, &[1.0, -1.0], Mode::Greedy, &mut answers).unwrap();
+        for network in [Network::Online, Network::Target] {
+            answers.extend(student.confidence(&goals, &states, network).unwrap());
+            answers.extend(student.policy(&states, &goals, network).unwrap().as_slice());
+        }
+        let mut batch = Batch::new(&student.spec, 3);
+        batch.next_states.fill(0.7);
+        student.label_next_actions(&mut batch, Network::Online).unwrap();
+        answers.extend(batch.next_actions.iter().map(|&a| f64::from(a)));
+        answers
+    };
+    let (near, far) = (answers(), far_away(answers));
+    assert_eq!(near.len(), far.len());
+    assert_ne!(near, far, "sums are taken in another order");
+    for (near, far) in near.iter().zip(&far) {
+        assert!((near - far).abs() < 1e-4, "{near} against {far}");
+    }
 }

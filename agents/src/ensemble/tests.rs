@@ -7,6 +7,7 @@ use crate::agent::Episode;
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::StudentConfig;
+use crate::device::far_away;
 
 const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, action: 1, horizon: 4 };
 const BATCH: usize = 32;
@@ -95,6 +96,25 @@ fn every_member_learns_the_rewards() {
         for (value, reward) in member.iter().zip([0.0, -1.0, -1.0]) {
             assert!((value - reward).abs() < 0.2, "{member:?}");
         }
+    }
+}
+
+/// What a GPU would do, done on the CPU: all members in one batched product.
+#[test]
+fn an_ensemble_on_another_device_learns_the_same_values() {
+    let trained = || {
+        let mut ensemble = ensemble(3, 0.75, &mut stream(2, Purpose::Weights));
+        let mut rng = stream(2, Purpose::Replay);
+        for _ in 0..10 {
+            ensemble.update(&batch(3 * BATCH, &mut rng)).unwrap();
+            ensemble.follow().unwrap();
+        }
+        probe(&mut ensemble)
+    };
+    let (near, far) = (trained(), far_away(trained));
+    assert_ne!(near.as_slice(), far.as_slice(), "sums are taken in another order");
+    for (near, far) in near.as_slice().iter().zip(far.as_slice()) {
+        assert!((near - far).abs() < 1e-4, "{near} against {far}");
     }
 }
 

@@ -1,8 +1,10 @@
 //! The Adam optimiser on flat parameters.
 
-use tch::{Device, Kind, TchError, Tensor};
+use multiversion::multiversion;
+use tch::{Kind, TchError, Tensor};
 
 use super::slices::with_slices;
+use crate::device::in_reach;
 
 /// Decay of the mean gradient (Adam's default, as in Baselines).
 const BETA1: f64 = 0.9;
@@ -47,11 +49,9 @@ impl Adam {
     pub(super) fn step(&mut self, parameters: &Tensor, gradient: &Tensor, lr: f64) -> Result<(), TchError> {
         self.steps += 1;
         let rates = Rates::new(lr, self.steps);
-        if parameters.device() == Device::Cpu {
+        if in_reach(parameters.device()) {
             with_slices([parameters, &self.first, &self.second], [gradient], |[p, m, v], [g]| {
-                for (((p, m), v), g) in p.iter_mut().zip(m).zip(v).zip(g) {
-                    adam(p, m, v, *g, rates);
-                }
+                adam_all(p, m, v, g, rates);
             });
             return Ok(());
         }
@@ -71,6 +71,13 @@ impl Adam {
         let step = self.first.f_div(&size)?.f_mul_scalar(-f64::from(rates.step))?;
         let _ = parameters.f_add_out(parameters, &step)?;
         Ok(())
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2"))]
+fn adam_all(p: &mut [f32], m: &mut [f32], v: &mut [f32], g: &[f32], rates: Rates) {
+    for (((p, m), v), g) in p.iter_mut().zip(m).zip(v).zip(g) {
+        adam(p, m, v, *g, rates);
     }
 }
 

@@ -6,11 +6,11 @@ use tch::{Kind, TchError};
 use super::block::Views;
 use super::slices::with_slices;
 
-/// z ← z + b, every row of `z` (`[E, n, w]`) alike; `bias` is `[E, 1, w]`.
+/// z ← z + b, every column of `z` (`[E, w, n]`) alike; `bias` is `[E, w, 1]`.
 pub(super) fn add_bias(z: &Views, bias: &Views) -> Result<(), TchError> {
     if z.on_cpu {
         for (z, bias) in z.members.iter().zip(&bias.members) {
-            with_slices([z], [bias], |[z], [bias]| add_bias_rows(z, bias));
+            with_slices([z], [bias], |[z], [bias]| add_bias_columns(z, bias));
         }
     } else {
         let _ = z.whole.f_add_out(&z.whole, &bias.whole)?;
@@ -54,18 +54,20 @@ pub(super) fn mask_and_add_column_sums(delta: &Views, hidden: &Views, sums: &Vie
         Ok(())
     } else {
         mask(delta, hidden)?;
-        add_column_sums(sums, delta)
+        let of_delta = delta.whole.f_sum_dim_intlist(&[1i64][..], true, Kind::Float)?;
+        let _ = sums.whole.f_add_out(&sums.whole, &of_delta)?;
+        Ok(())
     }
 }
 
-/// sums ← sums + the sum of every column of `delta` (`[E, n, w]`), shape `[E, 1, w]`.
-pub(super) fn add_column_sums(sums: &Views, delta: &Views) -> Result<(), TchError> {
+/// sums ← sums + the sum of every row of `delta` (`[E, w, n]`), shape `[E, w, 1]`.
+pub(super) fn add_row_sums(sums: &Views, delta: &Views) -> Result<(), TchError> {
     if sums.on_cpu {
         for (sums, delta) in sums.members.iter().zip(&delta.members) {
             with_slices([sums], [delta], |[sums], [delta]| add_rows(delta, sums));
         }
     } else {
-        let of_delta = delta.whole.f_sum_dim_intlist(&[1i64][..], true, Kind::Float)?;
+        let of_delta = delta.whole.f_sum_dim_intlist(&[2i64][..], true, Kind::Float)?;
         let _ = sums.whole.f_add_out(&sums.whole, &of_delta)?;
     }
     Ok(())
@@ -88,11 +90,10 @@ pub(super) fn tanh_backward(delta: &Views, output: &Views) -> Result<(), TchErro
     Ok(())
 }
 
-fn add_bias_rows(z: &mut [f32], bias: &[f32]) {
-    for row in z.chunks_exact_mut(bias.len()) {
-        for (z, b) in row.iter_mut().zip(bias) {
-            *z += b;
-        }
+fn add_bias_columns(z: &mut [f32], bias: &[f32]) {
+    let n = z.len() / bias.len();
+    for (row, b) in z.chunks_exact_mut(n).zip(bias) {
+        row.iter_mut().for_each(|z| *z += b);
     }
 }
 
@@ -126,10 +127,9 @@ fn mask_and_add_rows(delta: &mut [f32], hidden: &[f32], sums: &mut [f32]) {
 }
 
 fn add_rows(delta: &[f32], sums: &mut [f32]) {
-    for row in delta.chunks_exact(sums.len()) {
-        for (sum, d) in sums.iter_mut().zip(row) {
-            *sum += d;
-        }
+    let n = delta.len() / sums.len();
+    for (row, sum) in delta.chunks_exact(n).zip(sums) {
+        row.iter().for_each(|d| *sum += d);
     }
 }
 
@@ -139,23 +139,24 @@ mod tests {
 
     use super::*;
 
-    /// Two members with rows of two numbers; handled in loops, or as on another device.
-    fn views(numbers: &[f32], looped: bool) -> Views {
-        let mut views = Views::new(Tensor::from_slice(numbers).view([2, -1, 2])).unwrap();
+    /// Two members with rows of `columns` numbers; handled in loops, or as on another device.
+    fn views(numbers: &[f32], columns: i64, looped: bool) -> Views {
+        let mut views = Views::new(Tensor::from_slice(numbers).view([2, -1, columns])).unwrap();
         views.on_cpu = looped;
         views
     }
 
-    /// Runs `kernel` on `numbers` and others, in loops and as on another device, and compares with `expected`.
+    /// Runs `kernel` on numbers and others, rows of so many each, in loops and as on another device, and compares with
+    /// `expected`.
     fn check(
         kernel: fn(&Views, &Views) -> Result<(), TchError>,
-        numbers: &[f32],
-        other: &[f32],
+        (numbers, columns): (&[f32], i64),
+        (others, other_columns): (&[f32], i64),
         expected: &[f32],
     ) {
         for looped in [true, false] {
-            let target = views(numbers, looped);
-            kernel(&target, &views(other, looped)).unwrap();
+            let target = views(numbers, columns, looped);
+            kernel(&target, &views(others, other_columns, looped)).unwrap();
             assert_eq!(Vec::<f32>::try_from(target.whole.view(-1)).unwrap(), expected, "looped: {looped}");
         }
     }
@@ -164,21 +165,23 @@ mod tests {
     fn kernels_by_hand_on_every_device() {
         let z = [1.0, -2.0, 3.0, 0.0, 0.5, 0.5, -1.0, 4.0];
         let bias = [1.0, -1.0, 0.0, 2.0];
-        check(add_bias, &z, &bias, &[2.0, -3.0, 4.0, -1.0, 0.5, 2.5, -1.0, 6.0]);
-        check(add_bias_relu, &z, &bias, &[2.0, 0.0, 4.0, 0.0, 0.5, 2.5, 0.0, 6.0]);
+        check(add_bias, (&z, 2), (&bias, 1), &[2.0, -1.0, 2.0, -1.0, 0.5, 0.5, 1.0, 6.0]);
+        check(add_bias, (&z, 4), (&bias[..2], 1), &[2.0, -1.0, 4.0, 1.0, -0.5, -0.5, -2.0, 3.0]);
+        check(add_bias_relu, (&z, 2), (&bias, 2), &[2.0, 0.0, 4.0, 0.0, 0.5, 2.5, 0.0, 6.0]);
         let hidden = [0.0, 1.0, 2.0, 0.0, 3.0, 0.0, 0.5, 0.5];
-        check(mask, &z, &hidden, &[0.0, -2.0, 3.0, 0.0, 0.5, 0.0, -1.0, 4.0]);
+        check(mask, (&z, 2), (&hidden, 2), &[0.0, -2.0, 3.0, 0.0, 0.5, 0.0, -1.0, 4.0]);
         let output = [0.5, 0.0, -1.0, 1.0, 0.5, -0.5, 0.0, 0.5];
-        check(tanh_backward, &z, &output, &[0.75, -2.0, 0.0, 0.0, 0.375, 0.375, -1.0, 3.0]);
-        check(add_column_sums, &[1.0, 1.0, 1.0, 1.0], &z, &[5.0, -1.0, 0.5, 5.5]);
+        check(tanh_backward, (&z, 2), (&output, 2), &[0.75, -2.0, 0.0, 0.0, 0.375, 0.375, -1.0, 3.0]);
+        check(add_row_sums, (&[1.0; 4], 1), (&z, 2), &[0.0, 4.0, 2.0, 4.0]);
+        check(add_row_sums, (&[1.0; 2], 1), (&z, 4), &[3.0, 5.0]);
     }
 
     #[test]
     fn masked_columns_are_summed_on_every_device() {
         for looped in [true, false] {
-            let delta = views(&[1.0, -2.0, 3.0, 0.0, 0.5, 0.5, -1.0, 4.0], looped);
-            let hidden = views(&[0.0, 1.0, 2.0, 0.0, 3.0, 0.0, 0.5, 0.5], looped);
-            let sums = views(&[10.0; 4], looped);
+            let delta = views(&[1.0, -2.0, 3.0, 0.0, 0.5, 0.5, -1.0, 4.0], 2, looped);
+            let hidden = views(&[0.0, 1.0, 2.0, 0.0, 3.0, 0.0, 0.5, 0.5], 2, looped);
+            let sums = views(&[10.0; 4], 2, looped);
             mask_and_add_column_sums(&delta, &hidden, &sums).unwrap();
             let sums = Vec::<f32>::try_from(sums.whole.view(-1)).unwrap();
             assert_eq!(sums, [13.0, 8.0, 9.5, 14.0], "looped: {looped}");

@@ -2,7 +2,7 @@
 
 use tch::{Device, Kind, TchError, Tensor};
 
-use super::block::{Block, Views, multiply, multiply_add};
+use super::block::{Block, multiply, multiply_add};
 use super::kernels;
 use super::shape::{Output, Shape};
 use super::stack::Stack;
@@ -37,9 +37,9 @@ struct BufferViews {
     hidden: Vec<Block>,
     /// Gradients with respect to the sums of the hidden layers, used in turn, `[E, n, width]`.
     deltas: [Block; 2],
-    /// `[E, n, outputs]`.
+    /// `[E, n, outputs]`, by columns.
     output: Block,
-    /// Gradient with respect to the output, then to the last layer's sums, `[E, n, outputs]`.
+    /// Gradient with respect to the output, then to the last layer's sums, `[E, n, outputs]`, by columns.
     output_gradient: Block,
 }
 
@@ -57,16 +57,17 @@ impl Memory {
     }
 
     fn views(&self, shape: Shape, members: usize, rows: usize) -> Result<BufferViews, TchError> {
-        let view = |memory: &Tensor, columns: usize| {
-            let numbers = (members * rows * columns) as i64;
-            let size = [members as i64, rows as i64, columns as i64];
-            Block::new(memory.f_narrow(0, 0, numbers)?.f_view(size)?)
+        let view = |memory: &Tensor, size: [usize; 3]| {
+            let numbers = size.iter().product::<usize>() as i64;
+            memory.f_narrow(0, 0, numbers)?.f_view(size.map(|n| n as i64))
         };
+        let hidden = |memory| Block::new(view(memory, [members, rows, shape.width])?);
+        let output = |memory| Block::by_columns(view(memory, [members, shape.outputs, rows])?);
         Ok(BufferViews {
-            hidden: self.hidden.iter().map(|h| view(h, shape.width)).collect::<Result<_, _>>()?,
-            deltas: [view(&self.deltas[0], shape.width)?, view(&self.deltas[1], shape.width)?],
-            output: view(&self.output, shape.outputs)?,
-            output_gradient: view(&self.output_gradient, shape.outputs)?,
+            hidden: self.hidden.iter().map(hidden).collect::<Result<_, _>>()?,
+            deltas: [hidden(&self.deltas[0])?, hidden(&self.deltas[1])?],
+            output: output(&self.output)?,
+            output_gradient: output(&self.output_gradient)?,
         })
     }
 }
@@ -91,9 +92,9 @@ impl Passes {
         Ok(())
     }
 
-    /// What the last forward pass gave, `[E, n, outputs]`.
-    pub(crate) fn output(&self) -> &Views {
-        &self.views.output.plain
+    /// What the last forward pass gave, `[E, n, outputs]`, by columns.
+    pub(crate) fn output(&self) -> &Block {
+        &self.views.output
     }
 
     /// Runs `stack` on `input`, `[E, n, inputs]`.
@@ -106,16 +107,17 @@ impl Passes {
             source = hidden;
         }
         let last = &stack.layers[self.shape.layers];
-        multiply(&output.plain, &source.plain, &last.weight.plain)?;
-        kernels::add_bias(&output.plain, &last.bias.plain)?;
+        let output = &output.transposed;
+        multiply(output, &last.weight.transposed, &source.transposed)?;
+        kernels::add_bias(output, &last.bias.transposed)?;
         if self.shape.output == Output::Tanh {
-            let _ = output.plain.whole.f_tanh_out(&output.plain.whole)?;
+            let _ = output.whole.f_tanh_out(&output.whole)?;
         }
         Ok(())
     }
 
-    /// The loss's gradient with respect to the output, `[E, n, outputs]`: to be written before a backward pass,
-    /// which uses it up.
+    /// The loss's gradient with respect to the output, `[E, n, outputs]`, by columns: to be written before a backward
+    /// pass, which uses it up.
     pub(crate) fn output_gradient(&self) -> &Block {
         &self.views.output_gradient
     }
@@ -130,10 +132,15 @@ impl Passes {
         self.through_output()?;
         let BufferViews { hidden, deltas, output_gradient, .. } = &self.views;
         let mut delta = output_gradient;
-        kernels::add_column_sums(&gradient.layers[self.shape.layers].bias.plain, &delta.plain)?;
+        kernels::add_row_sums(&gradient.layers[self.shape.layers].bias.transposed, &delta.transposed)?;
         for layer in (0..=self.shape.layers).rev() {
             let below = if layer == 0 { input } else { &hidden[layer - 1] };
-            multiply_add(&gradient.layers[layer].weight.plain, &below.transposed, &delta.plain)?;
+            let weight = &gradient.layers[layer].weight;
+            if layer == self.shape.layers {
+                multiply_add(&weight.transposed, &delta.transposed, &below.plain)?;
+            } else {
+                multiply_add(&weight.plain, &below.transposed, &delta.plain)?;
+            }
             if layer > 0 {
                 let next = &deltas[layer % 2];
                 multiply(&next.plain, &delta.plain, &stack.layers[layer].weight.transposed)?;
@@ -145,8 +152,8 @@ impl Passes {
         Ok(())
     }
 
-    /// Writes into `out` (`[E, n, columns]`) the loss's gradient with respect to some columns of the input, those
-    /// whose weights `weights` holds: rows of the first layer's weight matrix, `[E, columns, width]`.
+    /// Writes into `out` (`[E, n, columns]`, by columns) the loss's gradient with respect to some columns of the input,
+    /// those whose weights `weights` holds: rows of the first layer's weight matrix, `[E, columns, width]`.
     pub(crate) fn backward_input(
         &mut self,
         stack: &Stack,
@@ -162,7 +169,7 @@ impl Passes {
             kernels::mask(&next.plain, &hidden[layer - 1].plain)?;
             delta = next;
         }
-        multiply(&out.plain, &delta.plain, &weights.transposed)
+        multiply(&out.transposed, &weights.plain, &delta.transposed)
     }
 
     /// Takes the gradient with respect to the output back through what follows the last layer's sums.
@@ -170,7 +177,7 @@ impl Passes {
         match self.shape.output {
             Output::Linear => Ok(()),
             Output::Tanh => {
-                kernels::tanh_backward(&self.views.output_gradient.plain, &self.views.output.plain)
+                kernels::tanh_backward(&self.views.output_gradient.transposed, &self.views.output.transposed)
             }
         }
     }

@@ -31,7 +31,7 @@ pub(super) struct Layer {
     pub(super) inputs: usize,
     /// Columns of the weight matrix, length of the bias.
     pub(super) outputs: usize,
-    /// First number of the weight matrix `[inputs, outputs]`.
+    /// First number of the weight matrix: `[inputs, outputs]`, the last layer's `[outputs, inputs]`.
     pub(super) weight: usize,
     /// First number of the bias `[outputs]`.
     pub(super) bias: usize,

@@ -2,6 +2,8 @@
 
 use tch::{Device, Kind, TchError, Tensor};
 
+use crate::device::in_reach;
+
 /// Calls `work` with the numbers of `written` and `read` as slices.
 ///
 /// # Panics
@@ -30,7 +32,7 @@ pub(crate) fn with_slices<const W: usize, const R: usize, T>(
 
 /// Calls `work` with the numbers of a contiguous f32 tensor on any device.
 pub(crate) fn read<T>(tensor: &Tensor, work: impl FnOnce(&[f32]) -> T) -> Result<T, TchError> {
-    if tensor.device() == Device::Cpu {
+    if in_reach(tensor.device()) {
         return Ok(with_slices([], [tensor], |[], [numbers]| work(numbers)));
     }
     let host = tensor.f_to_device(Device::Cpu)?;

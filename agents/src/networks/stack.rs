@@ -19,7 +19,7 @@ pub(crate) struct Stack {
 /// One layer of all members.
 #[derive(Debug)]
 pub(super) struct LayerViews {
-    /// `[E, inputs, outputs]`.
+    /// `[E, inputs, outputs]`, the last layer's by columns.
     pub(super) weight: Block,
     /// `[E, 1, outputs]`.
     pub(super) bias: Block,
@@ -32,14 +32,19 @@ impl Stack {
         let flat = Tensor::f_zeros([members as i64, parameters], (Kind::Float, device))?;
         let view = |rows: usize, columns: usize, offset: usize| {
             let size = [members as i64, rows as i64, columns as i64];
-            Block::new(flat.f_as_strided(size, [parameters, columns as i64, 1], offset as i64)?)
+            flat.f_as_strided(size, [parameters, columns as i64, 1], offset as i64)
         };
         let layers = shape
             .places()
             .into_iter()
-            .map(|layer| {
-                let weight = view(layer.inputs, layer.outputs, layer.weight)?;
-                Ok(LayerViews { weight, bias: view(1, layer.outputs, layer.bias)? })
+            .enumerate()
+            .map(|(i, layer)| {
+                let weight = if i < shape.layers {
+                    Block::new(view(layer.inputs, layer.outputs, layer.weight)?)?
+                } else {
+                    Block::by_columns(view(layer.outputs, layer.inputs, layer.weight)?)?
+                };
+                Ok(LayerViews { weight, bias: Block::new(view(1, layer.outputs, layer.bias)?)? })
             })
             .collect::<Result<_, TchError>>()?;
         Ok(Self { flat, layers })

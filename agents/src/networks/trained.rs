@@ -1,6 +1,7 @@
 //! Networks under training: online parameters, their gradient and optimiser, and the targets that follow.
 
 use envs::rng::Rng;
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 use tch::{Device, TchError, Tensor};
 
@@ -10,6 +11,7 @@ use super::shape::Shape;
 use super::slices::with_slices;
 use super::stack::Stack;
 use crate::agent::Network;
+use crate::device::in_reach;
 use crate::error::AgentError;
 
 /// A stack with all that its training needs.
@@ -110,16 +112,19 @@ impl Trained {
 
 /// See [`Trained::follow`].
 fn follow(target: &Tensor, online: &Tensor, polyak: f64) -> Result<(), TchError> {
-    if target.device() == Device::Cpu {
+    if in_reach(target.device()) {
         let (keep, take) = (polyak as f32, (1.0 - polyak) as f32);
-        with_slices([target], [online], |[target], [online]| {
-            for (target, online) in target.iter_mut().zip(online) {
-                *target = keep * *target + take * online;
-            }
-        });
+        with_slices([target], [online], |[target], [online]| follow_all(target, online, keep, take));
         return Ok(());
     }
     follow_elsewhere(target, online, polyak)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2"))]
+fn follow_all(target: &mut [f32], online: &[f32], keep: f32, take: f32) {
+    for (target, online) in target.iter_mut().zip(online) {
+        *target = keep * *target + take * online;
+    }
 }
 
 /// The same with libtorch's kernels, for devices whose memory is out of reach.
