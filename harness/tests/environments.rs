@@ -67,7 +67,7 @@ fn render_draws_random_actions_and_a_trained_run() {
 fn render_refuses_what_it_cannot_draw() {
     for (args, expected) in [
         (vec!["render", "--env", "MazeD", "--out", "x.gif"], "did you mean `MazeA`"),
-        (vec!["render", "/nowhere", "--out", "x.gif"], "there is no run here"),
+        (vec!["render", "/nowhere", "--out", "x.gif"], "/nowhere/manifest.json: there is no manifest"),
         (vec!["render", "--env", "MazeA", "--size", "0", "--out", "x.gif"], "1 to 4096"),
         (vec!["render", "--env", "MazeA"], "--out"),
         (vec!["render", "--env", "MazeA", "--out", "/nowhere/x.gif"], "cannot write this file"),

@@ -3,6 +3,7 @@
 //! Exit codes: 0 all is well; 1 a run failed, a check found that something fell, or the report found damaged records; 2 wrong
 //! input, nothing was done; 3 stopped by a signal, to be gone on with.
 
+mod evaluate;
 mod list;
 mod merge;
 mod profile;
@@ -58,6 +59,8 @@ enum Command {
     Merge(merge::Args),
     /// Draw the figures and tables of a results folder
     Report(report::Args),
+    /// Play many more episodes with the trained policies of runs, to tell them apart
+    Evaluate(evaluate::Args),
     /// Draw episodes of a trained run, or of random actions, as an animated GIF or PNG frames
     Render(render::Args),
     /// Replay traces recorded from the original environments and compare, step for step
@@ -96,6 +99,7 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Status(args) => status::show(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Report(args) => report::report(&registry, &args),
+        Command::Evaluate(args) => evaluate::evaluate(&registry, &args),
         Command::Render(args) => render::render(&registry, &args),
         Command::Verify(args) => verify::verify(&args),
         Command::Regress(args) => regress::regress(&registry, &args),

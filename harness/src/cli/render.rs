@@ -9,14 +9,12 @@ use agents::{Agent, Mode};
 use envs::GoalEnv;
 use envs::render::{Image, Renderer};
 use envs::rng::{Purpose, Rng, stream};
-use reports::layout;
-use reports::record::Manifest;
 
 use super::{Exit, print};
 use crate::Registry;
 use crate::error::HarnessError;
-use crate::run::folder::{new_file, read_json};
-use crate::run::{checkpoint, manifest};
+use crate::run::folder::new_file;
+use crate::run::policy::Policy;
 
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("actor").required(true).args(["run", "env"])))]
@@ -90,20 +88,10 @@ fn unusable(what: &Path, error: &impl ToString) -> HarnessError {
 
 /// Environment and student of a run.
 fn trained(registry: &Registry, folder: &Path) -> Result<(Box<dyn GoalEnv>, Actor), HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| unusable(&path, &"there is no run here"))?;
-    let config = manifest::config(&manifest).map_err(|reason| unusable(&path, &reason))?;
-    registry.check(&manifest.run)?;
-    let entry = registry.environment(&manifest.run.environment).expect("it was just checked");
-    let options = envs::Options { native_ccd: config.physics.native_ccd };
-    let env = entry.make(&options).map_err(|error| unusable(folder, &error))?;
-    agents::prepare_thread();
-    let saved = checkpoint::read(folder, &manifest.hash).map_err(|error| unusable(folder, &error))?;
-    let saved = saved.ok_or_else(|| unusable(folder, &"the run has not come to its first checkpoint yet"))?;
-    let mut agent =
-        agents::make(&config.student, env.spec(), manifest.run.seed).map_err(|e| unusable(folder, &e))?;
-    agent.load_policy(saved.trainer.student()).map_err(|error| unusable(folder, &error))?;
-    Ok((env, Actor::Student(agent)))
+    let policy = Policy::read(registry, folder)?;
+    let env = policy.environment(registry)?;
+    let student = policy.student(env.spec())?;
+    Ok((env, Actor::Student(student)))
 }
 
 fn random(registry: &Registry, id: &str, seed: u64) -> Result<(Box<dyn GoalEnv>, Actor), HarnessError> {

@@ -4,4 +4,5 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod folder;
 pub mod manifest;
+pub mod policy;
 pub mod train;

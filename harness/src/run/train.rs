@@ -138,6 +138,11 @@ impl TrainerState {
     pub fn student(&self) -> &[u8] {
         &self.student
     }
+
+    /// Training steps taken.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
 }
 
 /// A run in progress.

@@ -1,0 +1,148 @@
+//! `goalbench evaluate`.
+
+mod find;
+mod output;
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use envs::rng::{Purpose, stream};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use reports::record::RunKey;
+
+use super::{Exit, FAILED, complain, print};
+use crate::Registry;
+use crate::error::HarnessError;
+use crate::run::evaluate::{LOCKSTEP, Tally, tally};
+use crate::run::policy::Policy;
+use find::{Found, Subject, find};
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Each run's greedy policy as of its last checkpoint plays the same episodes: their starts and goals depend on environment, --seed \
+and number alone, and no training run's own evaluations meet them. Nothing is written, and runs may be in progress.
+
+Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be evaluated, \
+or one given by itself broke down.")]
+pub(super) struct Args {
+    /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// Episodes of each run
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    episodes: u64,
+    /// Seed of starts and goals
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Runs side by side, one thread each [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// Print a JSON object per run and line
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a run's policy came to.
+struct Measured {
+    folder: PathBuf,
+    /// The results folder that the run belongs to.
+    results: PathBuf,
+    run: RunKey,
+    /// Training steps behind the policy.
+    step: u64,
+    /// Training steps of the whole run.
+    steps: u64,
+    tally: Tally,
+}
+
+pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
+    let Found { subjects, mut left_out } = find(registry, &args.paths)?;
+    let outcomes = measure_all(registry, &subjects, args)?;
+    let (mut measured, mut broken) = (Vec::new(), false);
+    for (subject, outcome) in subjects.iter().zip(outcomes) {
+        match outcome {
+            Ok(one) => measured.push(one),
+            Err(error) => {
+                broken |= subject.named;
+                left_out.push(error);
+            }
+        }
+    }
+    if args.json {
+        print(&output::as_json(&measured, args.seed));
+    } else if !measured.is_empty() {
+        print(&output::as_text(&measured));
+    }
+    for error in left_out {
+        complain(&format!("goalbench: left out: {error}"));
+    }
+    if measured.is_empty() {
+        complain("goalbench: no run was evaluated");
+    }
+    Ok(if measured.is_empty() || broken { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// Evaluates all, some of them at a time; the answers are in the order of `subjects`.
+fn measure_all(
+    registry: &Registry,
+    subjects: &[Subject],
+    args: &Args,
+) -> Result<Vec<Result<Measured, HarnessError>>, HarnessError> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.jobs.map_or(cores, usize::from).min(subjects.len().max(1)))
+        .build()
+        .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
+    let bar = progress(subjects.len(), args.episodes);
+    let measured = pool.install(|| {
+        // Runs take seconds to minutes, and those of one environment, which take equally long, follow one another.
+        let each = subjects.par_iter().with_max_len(1);
+        each.map(|subject| measure(registry, subject, args, &bar)).collect()
+    });
+    bar.finish_and_clear();
+    Ok(measured)
+}
+
+/// Builds what one run needs, on the thread that plays, and plays.
+fn measure(
+    registry: &Registry,
+    subject: &Subject,
+    args: &Args,
+    bar: &ProgressBar,
+) -> Result<Measured, HarnessError> {
+    let policy = Policy::read(registry, &subject.folder)?;
+    let instances = LOCKSTEP.min(args.episodes);
+    let mut envs =
+        (0..instances).map(|_| policy.environment(registry)).collect::<Result<Vec<_>, HarnessError>>()?;
+    let mut student = policy.student(envs[0].spec())?;
+    let mut rng = stream(args.seed, Purpose::FinalEvaluation);
+    let mut played = |episodes| bar.inc(episodes);
+    let tally =
+        tally(&mut envs, student.as_mut(), args.episodes, &mut rng, &mut played).map_err(|error| {
+            HarnessError::Damaged { path: subject.folder.clone(), reason: format!("broke down: {error}") }
+        })?;
+    Ok(Measured {
+        folder: subject.folder.clone(),
+        results: subject.results.clone(),
+        run: policy.run().clone(),
+        step: policy.step(),
+        steps: policy.steps(),
+        tally,
+    })
+}
+
+/// A bar on standard error, if that is a terminal.
+fn progress(runs: usize, episodes: u64) -> ProgressBar {
+    const TEMPLATE: &str = "{prefix} {bar:20} {pos}/{len} episodes {per_sec:>14} {eta:>4} left";
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(TEMPLATE).expect("the template is a constant");
+    let bar = ProgressBar::new(runs as u64 * episodes).with_style(style.progress_chars("=> "));
+    bar.set_prefix(format!("{runs} runs"));
+    bar.enable_steady_tick(Duration::from_millis(500));
+    bar
+}

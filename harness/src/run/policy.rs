@@ -1,0 +1,97 @@
+//! The trained policy of a run, as of its last checkpoint.
+
+use std::path::{Path, PathBuf};
+
+use agents::{Agent, AgentError};
+use envs::{EnvError, GoalEnv, Options, Spec};
+use reports::record::{Manifest, RunKey};
+
+use super::checkpoint::{self, CHECKPOINT, CheckpointError};
+use super::folder;
+use super::train::TrainerState;
+use crate::Registry;
+use crate::config::RunConfig;
+use crate::error::HarnessError;
+
+/// What a run's folder holds of its student, read at one moment. The folder is only read, and a run in progress may go on: its
+/// checkpoint is replaced whole.
+pub struct Policy {
+    folder: PathBuf,
+    manifest: Manifest,
+    config: RunConfig,
+    trainer: TrainerState,
+}
+
+impl Policy {
+    /// Reads the run in `folder`.
+    ///
+    /// # Errors
+    /// [`HarnessError`] if there is no run, none that has come to a checkpoint, a damaged one, or one with an environment or
+    /// curriculum that `registry` lacks.
+    pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
+        let (manifest, config) = folder::read_manifest(folder)?;
+        registry.check(&manifest.run)?;
+        let saved = checkpoint::read(folder, &manifest.hash).map_err(unreadable)?;
+        let saved = saved.ok_or_else(|| HarnessError::Damaged {
+            path: folder.join(CHECKPOINT),
+            reason: "is missing: the run has not come to its first checkpoint yet, or has lost it".into(),
+        })?;
+        Ok(Self { folder: folder.to_owned(), manifest, config, trainer: saved.trainer })
+    }
+
+    /// Which run this is.
+    pub fn run(&self) -> &RunKey {
+        &self.manifest.run
+    }
+
+    /// Training steps behind the policy.
+    pub fn step(&self) -> u64 {
+        self.trainer.step()
+    }
+
+    /// Training steps of the whole run.
+    pub fn steps(&self) -> u64 {
+        self.config.budget.steps
+    }
+
+    /// A new instance of the environment that the run trains on.
+    ///
+    /// # Errors
+    /// [`HarnessError`] if it cannot be made.
+    ///
+    /// # Panics
+    /// If `registry` is not the one that [`Policy::read`] was given and lacks the environment.
+    pub fn environment(&self, registry: &Registry) -> Result<Box<dyn GoalEnv>, HarnessError> {
+        let entry = registry.environment(&self.run().environment).expect("it was checked when read");
+        let options = Options { native_ccd: self.config.physics.native_ccd };
+        entry.make(&options).map_err(|error: EnvError| self.unusable(&error))
+    }
+
+    /// The student, without its experience, on the calling thread. `spec` is that of [`Policy::environment`].
+    ///
+    /// # Errors
+    /// [`HarnessError`] if this machine cannot run it, or its state is not what was saved.
+    pub fn student(&self, spec: &Spec) -> Result<Box<dyn Agent>, HarnessError> {
+        agents::prepare_thread();
+        let unusable = |error: AgentError| self.unusable(&error);
+        let mut student = agents::make(&self.config.student, spec, self.run().seed).map_err(unusable)?;
+        student.load_policy(self.trainer.student()).map_err(unusable)?;
+        Ok(student)
+    }
+
+    fn unusable(&self, error: &dyn std::error::Error) -> HarnessError {
+        HarnessError::Damaged { path: self.folder.clone(), reason: error.to_string() }
+    }
+}
+
+fn unreadable(error: CheckpointError) -> HarnessError {
+    match error {
+        CheckpointError::Io { path, source } => {
+            HarnessError::Io { path, action: "read this checkpoint", source }
+        }
+        CheckpointError::Damaged { path, reason } => HarnessError::Damaged {
+            path,
+            reason: format!("{reason}; delete this run's folder to train it anew"),
+        },
+    }
+}
