@@ -147,8 +147,8 @@ pub trait Agent: Critic + Send {
     /// student is unusable after an error.
     fn load(&mut self, state: &[u8], replay: &Path) -> Result<(), AgentError>;
 
-    /// Becomes the student that [`Agent::save`] wrote without its experience: it acts and answers as that one did, and begins
-    /// with an empty replay buffer.
+    /// Becomes the student that [`Agent::save`] wrote without its experience: it acts and answers as that one did. Its
+    /// own replay buffer stays as it is.
     ///
     /// # Errors
     /// [`AgentError::State`] if `state` is damaged or of another student, which leaves this one unusable.

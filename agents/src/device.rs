@@ -1,11 +1,11 @@
 //! Where networks live: the CPU, or a CUDA device when libtorch's CUDA half lies beside it.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::AgentError;
+use crate::error::{AgentError, first_line};
 use crate::runtime::{libtorch_folder, libtorch_version};
 
 /// A kind of device.
@@ -29,7 +29,10 @@ impl Device {
             Self::Cpu => Ok(tch::Device::Cpu),
             Self::Cuda => {
                 static LOADED: OnceLock<Result<(), String>> = OnceLock::new();
-                let outcome = LOADED.get_or_init(load_cuda);
+                let outcome = LOADED.get_or_init(|| match libtorch_folder() {
+                    Some(folder) => load_cuda(&folder),
+                    None => Err("the folder of the loaded libtorch_cpu.so could not be found".to_owned()),
+                });
                 match outcome {
                     Ok(()) => Ok(tch::Device::Cuda(0)),
                     Err(reason) => Err(AgentError::Device { device: "cuda", reason: reason.clone() }),
@@ -39,12 +42,10 @@ impl Device {
     }
 }
 
-/// Loads `libtorch_cuda.so` from beside the libtorch this process runs on, so that it registers its kernels.
-fn load_cuda() -> Result<(), String> {
-    let Some(folder) = libtorch_folder() else {
-        return Err("the folder of the loaded libtorch_cpu.so could not be found".to_owned());
-    };
-    let library: PathBuf = folder.join("libtorch_cuda.so");
+/// Loads `libtorch_cuda.so` from the folder of the libtorch this process runs on, so that it registers its kernels, and
+/// tries it out.
+fn load_cuda(folder: &Path) -> Result<(), String> {
+    let library = folder.join("libtorch_cuda.so");
     if !library.is_file() {
         return Err(format!(
             "{} is missing; point LD_LIBRARY_PATH at the lib folder of a CUDA build of libtorch {}, such as torch/lib in a \
@@ -54,14 +55,18 @@ fn load_cuda() -> Result<(), String> {
         ));
     }
     open_globally(&library).map_err(|error| format!("{} does not load: {error}", library.display()))?;
-    // Tried out, because whether a device is there is answered with no more than no.
-    match tch::Tensor::f_zeros([1], (tch::Kind::Float, tch::Device::Cuda(0))) {
-        Ok(_) => Ok(()),
-        Err(error) => {
-            let text = error.to_string();
-            Err(format!("libtorch cannot use it: {}", text.lines().next().unwrap_or_default()))
-        }
+    match multiply_on(tch::Device::Cuda(0)) {
+        Ok(4.0) => Ok(()),
+        Ok(sum) => Err(format!("libtorch multiplies wrongly on a CUDA device: 4 is {sum}")),
+        Err(error) => Err(format!("libtorch cannot use a CUDA device: {}", first_line(&error))),
     }
+}
+
+/// (1 1)·(2 2)ᵀ on `device`, waited for: 4. Whether a device is there libtorch would answer with no more than no; and
+/// a driver alone does not multiply.
+fn multiply_on(device: tch::Device) -> Result<f64, tch::TchError> {
+    let ones = tch::Tensor::f_ones([1, 2], (tch::Kind::Float, device))?;
+    ones.f_mm(&ones.f_mul_scalar(2.0)?.f_tr()?)?.f_double_value(&[0, 0])
 }
 
 /// Whether loops over plain numbers reach the memory of `device`: the CPU's alone.
@@ -74,7 +79,7 @@ pub(crate) fn in_reach(device: tch::Device) -> bool {
 }
 
 #[allow(unsafe_code, reason = "dlopen runs the library's initialisers")]
-fn open_globally(library: &std::path::Path) -> Result<(), libloading::Error> {
+fn open_globally(library: &Path) -> Result<(), libloading::Error> {
     use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_NOW};
     // SAFETY: libtorch_cuda.so's initialisers register kernels with libtorch, which is loaded already; they have
     // no precondition beyond that. The library is never unloaded.
@@ -83,20 +88,25 @@ fn open_globally(library: &std::path::Path) -> Result<(), libloading::Error> {
     Ok(())
 }
 
-/// Runs `work` as if no memory were in reach: what would run on a GPU, on the CPU.
+/// Runs `work` as if no memory were in reach: the operations that a GPU would do, on the CPU.
 #[cfg(test)]
 pub(crate) fn far_away<T>(work: impl FnOnce() -> T) -> T {
+    struct Back;
+    impl Drop for Back {
+        fn drop(&mut self) {
+            tests::FAR.set(false);
+        }
+    }
     tests::FAR.set(true);
-    let result = work();
-    tests::FAR.set(false);
-    result
+    let _back = Back;
+    work()
 }
 
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
 
-    use super::Device;
+    use super::{Device, in_reach, load_cuda, multiply_on};
 
     thread_local! {
         pub(super) static FAR: Cell<bool> = const { Cell::new(false) };
@@ -108,7 +118,17 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_cuda_library_is_named() {
+    fn loops_reach_the_memory_of_the_cpu_alone() {
+        assert!(in_reach(tch::Device::Cpu) && !in_reach(tch::Device::Cuda(0)));
+    }
+
+    #[test]
+    fn the_trial_by_hand() {
+        assert_eq!(multiply_on(tch::Device::Cpu).unwrap(), 4.0);
+    }
+
+    #[test]
+    fn a_device_that_cannot_be_used_says_so() {
         match Device::Cuda.open() {
             Ok(device) => assert_eq!(device, tch::Device::Cuda(0)),
             Err(error) => {
@@ -116,5 +136,17 @@ mod tests {
                 assert!(text.starts_with("device cuda: ") && text.contains("CUDA"), "{text}");
             }
         }
+    }
+
+    #[test]
+    fn a_library_that_is_missing_or_something_else_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let library = folder.path().join("libtorch_cuda.so");
+        let expected = format!("{} is missing; point LD_LIBRARY_PATH at the lib folder", library.display());
+        let missing = load_cuda(folder.path()).unwrap_err();
+        assert!(missing.starts_with(&expected), "{missing}");
+        std::fs::write(&library, "no library").unwrap();
+        let garbage = load_cuda(folder.path()).unwrap_err();
+        assert!(garbage.starts_with(&format!("{} does not load: ", library.display())), "{garbage}");
     }
 }

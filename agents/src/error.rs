@@ -73,7 +73,12 @@ pub enum AgentError {
         /// What is missing.
         reason: String,
     },
-    /// libtorch refused an operation.
-    #[error("libtorch: {0}")]
+    /// libtorch refused an operation. It says so in one line, with the place in its own sources in many more.
+    #[error("libtorch: {}", first_line(.0))]
     Torch(#[from] tch::TchError),
+}
+
+/// The first line of what libtorch says.
+pub(crate) fn first_line(error: &tch::TchError) -> String {
+    error.to_string().lines().next().unwrap_or_default().to_owned()
 }

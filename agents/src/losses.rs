@@ -1,7 +1,7 @@
 //! The student's losses and their gradients, one equation each.
 //!
-//! The equations stand first, as functions of plain numbers. Below them they are applied to matrices `[E, rows,
-//! columns]`: E learners, whose losses are means over n transitions each. A batch may come in parts, so n is given
+//! The equations stand first, as functions of plain numbers. Below them they are applied to matrices, the values'
+//! `[E, rows, 1]` and the actions' `[E, A, rows]`: E learners, whose losses are means over n transitions each. A batch may come in parts, so n is given
 //! and the parts of a loss add up.
 
 use tch::{Kind, TchError, Tensor};

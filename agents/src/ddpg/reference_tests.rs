@@ -265,7 +265,9 @@ fn gradients_on_another_device_are_those_of_automatic_differentiation() {
 fn gradients_are_those_of_automatic_differentiation() {
     // 7 are one part of an odd size, 1024 come in several.
     assert!(rows_per_part(1024, Device::Cpu) < 1024);
-    check_gradients(&[(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7), (3, 256), (3, 1024)]);
+    let two_and_three = [(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7), (3, 256), (3, 1024)];
+    let others = [(1, 7), (4, 7), (8, 7)];
+    check_gradients(&[&two_and_three[..], &others].concat());
 }
 
 /// With networks of so many layers and batches of so many transitions.

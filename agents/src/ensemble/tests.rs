@@ -8,6 +8,7 @@ use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::StudentConfig;
 use crate::device::far_away;
+use crate::error::AgentError;
 
 const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, action: 1, horizon: 4 };
 const BATCH: usize = 32;
@@ -99,7 +100,7 @@ fn every_member_learns_the_rewards() {
     }
 }
 
-/// What a GPU would do, done on the CPU: all members in one batched product.
+/// The operations that a GPU would do, on the CPU: all members in one batched product.
 #[test]
 fn an_ensemble_on_another_device_learns_the_same_values() {
     let trained = || {
@@ -116,6 +117,22 @@ fn an_ensemble_on_another_device_learns_the_same_values() {
     for (near, far) in near.as_slice().iter().zip(far.as_slice()) {
         assert!((near - far).abs() < 1e-4, "{near} against {far}");
     }
+}
+
+#[test]
+fn what_is_not_finite_is_divergence_at_its_step() {
+    let mut ensemble = ensemble(2, 0.75, &mut stream(4, Purpose::Weights));
+    let mut poisoned = batch(2 * BATCH, &mut stream(4, Purpose::Replay));
+    poisoned.rewards[BATCH] = f32::NAN;
+    let loss = ensemble.update(&poisoned);
+    let named = matches!(loss, Err(AgentError::Diverged { what: "ensemble's loss", gradient_steps: 1 }));
+    assert!(named, "{loss:?}");
+    let cycle = ensemble.follow();
+    assert!(matches!(cycle, Err(AgentError::Diverged { what: "ensemble", gradient_steps: 1 })), "{cycle:?}");
+    let row = |width| rows(width, &[0.1, 0.2][..width]);
+    let values = ensemble.values(&row(2), &row(1), &row(1));
+    let named = matches!(values, Err(AgentError::NotFinite { what: "ensemble's value", gradient_steps: 1 }));
+    assert!(named, "{values:?}");
 }
 
 /// With γ = 1/2 and reward −1 everywhere all values tend to −2, but only if the targets follow.

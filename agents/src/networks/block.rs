@@ -44,8 +44,8 @@ impl Block {
 
     /// The transposes of `whole`, shape `[E, columns, rows]`: matrices that lie column by column.
     ///
-    /// libtorch multiplies matrices of few rows up to five times as fast as matrices of few columns, so what has few columns
-    /// lies this way and is computed as its transpose.
+    /// What has few columns lies this way and is computed as its transpose: where the processor multiplies 16 numbers at once,
+    /// libtorch's product of 512 × 256 by 256 × 4 took 57 µs and its transpose 11 to 22 µs.
     pub(crate) fn by_columns(whole: Tensor) -> Result<Self, TchError> {
         let Self { plain, transposed } = Self::new(whole)?;
         Ok(Self { plain: transposed, transposed: plain })
@@ -88,6 +88,8 @@ pub(crate) fn copy(to: &Tensor, from: &Tensor) -> Result<(), TchError> {
 pub(super) fn multiply(out: &Views, left: &Views, right: &Views) -> Result<(), TchError> {
     if out.on_cpu || out.members.len() == 1 {
         for ((out, left), right) in out.members.iter().zip(&left.members).zip(&right.members) {
+            #[cfg(test)]
+            done::note(left, right);
             let _ = left.f_mm_out(out, right)?;
         }
     } else {
@@ -100,12 +102,47 @@ pub(super) fn multiply(out: &Views, left: &Views, right: &Views) -> Result<(), T
 pub(super) fn multiply_add(out: &Views, left: &Views, right: &Views) -> Result<(), TchError> {
     if out.on_cpu || out.members.len() == 1 {
         for ((out, left), right) in out.members.iter().zip(&left.members).zip(&right.members) {
+            #[cfg(test)]
+            done::note(left, right);
             let _ = out.f_addmm_out(out, left, right)?;
         }
     } else {
         let _ = out.whole.f_baddbmm_out(&out.whole, &left.whole, &right.whole)?;
     }
     Ok(())
+}
+
+/// Which products were done on this thread, for tests.
+#[cfg(test)]
+pub(crate) mod done {
+    use std::cell::RefCell;
+
+    use tch::Tensor;
+
+    /// Rows, inner and columns of a product, and whether left and right lie transposed in memory.
+    pub(crate) type Product = ([i64; 3], [bool; 2]);
+
+    thread_local! {
+        static DONE: RefCell<Vec<Product>> = const { RefCell::new(Vec::new()) };
+    }
+
+    /// left · right.
+    pub(crate) fn product(left: &Tensor, right: &Tensor) -> Product {
+        // A vector lies either way.
+        let lies_transposed = |t: &Tensor| t.size().iter().all(|n| *n > 1) && t.stride()[1] != 1;
+        ([left.size()[0], left.size()[1], right.size()[1]], [left, right].map(lies_transposed))
+    }
+
+    pub(super) fn note(left: &Tensor, right: &Tensor) {
+        DONE.with_borrow_mut(|done| done.push(product(left, right)));
+    }
+
+    /// Those since the last call, in order of size.
+    pub(crate) fn take() -> Vec<Product> {
+        let mut done = DONE.take();
+        done.sort_unstable();
+        done
+    }
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ pub(super) fn add_row_sums(sums: &Views, delta: &Views) -> Result<(), TchError> 
     Ok(())
 }
 
-/// δ ← δ·(1 − y²): the backward step through y = tanh(z), as d tanh(z)/dz = 1 − tanh²(z). `[E, n, w]` both.
+/// δ ← δ·(1 − y²): the backward step through y = tanh(z), as d tanh(z)/dz = 1 − tanh²(z). Both of any one shape.
 pub(super) fn tanh_backward(delta: &Views, output: &Views) -> Result<(), TchError> {
     if delta.on_cpu {
         for (delta, output) in delta.members.iter().zip(&output.members) {

@@ -6,7 +6,8 @@
 //! ([`kernels`]). Against automatic differentiation this saves allocations, page faults and passes over memory,
 //! so that a gradient step costs little more than its matrix products.
 //!
-//! Shapes are written `[E, rows, columns]`; a layer computes rows · weight + bias with weight `[inputs, outputs]`.
+//! Shapes are written `[E, rows, columns]`; a layer computes rows · weight + bias with weight `[inputs, outputs]`. The last
+//! layer's weights and results have few columns and lie column by column ([`Block::by_columns`]).
 
 mod adam;
 mod block;
@@ -17,6 +18,8 @@ mod slices;
 mod stack;
 mod trained;
 
+#[cfg(test)]
+pub(crate) use block::done;
 pub(crate) use block::{Block, Views, copy};
 pub(crate) use passes::Passes;
 pub(crate) use shape::{Output, Shape};

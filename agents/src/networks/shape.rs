@@ -27,9 +27,9 @@ pub(crate) struct Shape {
 /// One layer's place in the flat parameter vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layer {
-    /// Rows of the weight matrix.
+    /// Numbers in.
     pub(super) inputs: usize,
-    /// Columns of the weight matrix, length of the bias.
+    /// Numbers out, length of the bias.
     pub(super) outputs: usize,
     /// First number of the weight matrix: `[inputs, outputs]`, the last layer's `[outputs, inputs]`.
     pub(super) weight: usize,
