@@ -103,13 +103,30 @@ fn a_lost_checkpoint_does_not_cost_the_records() {
     assert_eq!(fs::read(run(folder.path()).join(layout::RECORDS)).expect("records"), before);
 }
 
+/// Lets the run's manifest say that it was begun with another version of something.
+fn note_version(results: &Path, what: &str, version: &str) {
+    let path = run(results).join(layout::MANIFEST);
+    let text = fs::read_to_string(&path).expect("a manifest");
+    let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    manifest["versions"][what] = version.into();
+    fs::write(&path, manifest.to_string()).expect("it can be written");
+}
+
+#[test]
+fn an_unfinished_run_of_another_commit_goes_on_and_says_so() {
+    let folder = finished();
+    note_version(folder.path(), "commit", "0123456789ab");
+    fs::remove_file(run(folder.path()).join(layout::OUTCOME)).expect("an outcome");
+    let output = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let note = "Point/teach/default/seed-0: begun by a build of commit 0123456789ab, goes on with ";
+    assert!(stderr(&output).contains(note), "{}", stderr(&output));
+}
+
 #[test]
 fn an_unfinished_run_of_another_version_is_not_gone_on_with() {
     let folder = finished();
-    let path = run(folder.path()).join(layout::MANIFEST);
-    let text = fs::read_to_string(&path).expect("a manifest");
-    fs::write(&path, text.replace("\"mujoco\": \"3.3.7\"", "\"mujoco\": \"3.1.0\""))
-        .expect("it can be written");
+    note_version(folder.path(), "mujoco", "3.1.0");
     let again = || goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
     assert!(again().status.success(), "a finished run stays what it is");
     fs::remove_file(run(folder.path()).join(layout::OUTCOME)).expect("an outcome");
@@ -144,4 +161,10 @@ fn a_failed_run_is_kept_until_it_is_asked_to_try_again() {
     assert!(!stderr(&retried).contains("kept from before"), "{}", stderr(&retried));
     assert_eq!(outcome(), reason);
     assert_eq!(fs::read(run(folder.path()).join(layout::RECORDS)).expect("records"), records);
+
+    note_version(folder.path(), "mujoco", "3.1.0");
+    let refused = with(&["--retry-failed"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("versions.mujoco"), "{}", stderr(&refused));
+    assert_eq!(outcome(), reason, "nothing was lost");
 }

@@ -200,3 +200,17 @@ fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found.sort();
     found
 }
+
+/// Where it can be used, the run succeeds instead.
+#[test]
+fn a_device_that_is_not_there_is_refused_before_anything_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let results = folder.path().join("results");
+    let args = toy_args(&results, &["--seeds", "0", "--device", "cuda"]);
+    let output = goalbench(&args);
+    if output.status.success() {
+        return;
+    }
+    refused(&args, &["goalbench: --device: device cuda: ", "CUDA"]);
+    assert!(!results.exists());
+}

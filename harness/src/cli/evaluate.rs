@@ -136,7 +136,7 @@ fn measure(
 
 /// A bar on standard error, if that is a terminal.
 fn progress(runs: usize, episodes: u64) -> ProgressBar {
-    const TEMPLATE: &str = "{prefix} {bar:20} {pos}/{len} episodes {per_sec:>14} {eta:>4} left";
+    const TEMPLATE: &str = "{prefix} {bar:20} {pos}/{len} episodes, {eta} left";
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -37,7 +37,7 @@ pub(crate) const TAKEN: u8 = 4;
 #[derive(Parser)]
 #[command(
     name = "goalbench",
-    version,
+    version = env!("GOALBENCH_VERSION"),
     max_term_width = 100,
     arg_required_else_help = true,
     args_override_self = true
@@ -88,6 +88,9 @@ enum Command {
         /// Which of them
         index: usize,
     },
+    /// Succeed if students can live on a CUDA device here (what `run` asks before it starts any there)
+    #[command(hide = true)]
+    TryCuda,
 }
 
 /// The whole program with the environments and curricula of `registry`.
@@ -106,6 +109,7 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
+        Command::TryCuda => run::device::try_cuda(),
         Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),
     };
     result.unwrap_or_else(|error| {

@@ -1,11 +1,12 @@
 //! `goalbench run`.
 
+pub(super) mod device;
 mod dry;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use reports::record::Outcome;
+use reports::record::{Manifest, Outcome};
 
 use super::{Exit, FAILED, STOPPED, complain, print};
 use crate::Registry;
@@ -20,6 +21,7 @@ use crate::progress;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, presets};
 use crate::run::folder::{self, State};
+use crate::run::manifest::COMMIT;
 use crate::tracking::EventFile;
 
 #[derive(clap::Args)]
@@ -151,6 +153,9 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     if args.dry_run {
         return dry::dry_run(registry, &plan, &jobs, &results, parallel);
     }
+    if args.executor == Executor::Local {
+        device::check(&plan, &jobs)?;
+    }
     let _lock = Lock::take(&results)?;
     // Another `run` may have worked here between the first look and the lock.
     let mut jobs = survey(&plan, &results)?;
@@ -160,6 +165,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
             job.state = State::Begun;
         }
     }
+    tell_other_commits(&jobs)?;
     if args.tensorboard {
         for job in jobs.iter().filter(|job| matches!(job.state, State::Ended(_))) {
             // No worker will: it ended before.
@@ -183,6 +189,23 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let endings = local::execute(&jobs, conduct, &stopper, display.as_ref())?;
     drop(display);
     summarise(&jobs, &endings, &results, args.json)
+}
+
+/// Says which unfinished runs were begun by a build of another commit: they go on, to records that may differ from those of
+/// either build.
+fn tell_other_commits(jobs: &[Job]) -> Result<(), HarnessError> {
+    let commit = |manifest: &Manifest| manifest.versions.get(COMMIT).cloned();
+    for job in jobs.iter().filter(|job| job.state == State::Begun) {
+        let (begun, now) = (commit(&folder::read_manifest(&job.folder)?.0), commit(&job.manifest));
+        if begun != now {
+            let [begun, now] = [begun, now].map(|commit| commit.unwrap_or_else(|| "unknown".to_owned()));
+            complain(&format!(
+                "goalbench: {}: begun by a build of commit {begun}, goes on with {now}",
+                job.manifest.run
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn submit(jobs: &[Job], results: &Path, name: &str, args: &Args) -> Exit {

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use agents::AgentError;
+use curricula::CurriculumError;
 use reports::layout;
 use reports::record::{Outcome, Record, RunKey, Teaching};
 use rustix::process::{Signal, set_parent_process_death_signal};
@@ -52,9 +53,9 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         return Ok(Some(outcome));
     }
     agents::prepare_thread();
-    let cannot_run = |error: RunError| match error {
-        RunError::Student(AgentError::Torch(error)) => machine_error(key, &error),
-        error => HarnessError::Run { run: key.to_string(), reason: error.to_string() },
+    let cannot_run = |error: RunError| match libtorch(&error) {
+        Some(error) => machine_error(key, error),
+        None => HarnessError::Run { run: key.to_string(), reason: error.to_string() },
     };
     let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
         CheckpointError::Io { path, source } => {
@@ -90,8 +91,10 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
             return Ok(None);
         }
         Err(RunError::Recording(source)) => return Err(recording(source)),
-        Err(RunError::Student(AgentError::Torch(error))) => return Err(machine_error(key, &error)),
-        Err(error) => Outcome::Failed { step: trainer.step(), reason: error.to_string() },
+        Err(error) => match libtorch(&error) {
+            Some(error) => return Err(machine_error(key, error)),
+            None => Outcome::Failed { step: trainer.step(), reason: error.to_string() },
+        },
     };
     let Reporter { recorder, mut out, .. } = reporter;
     recorder.end(&manifest.hash, &outcome).map_err(recording)?;
@@ -127,8 +130,18 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     Ok(())
 }
 
-/// What libtorch refuses to shapes that were checked before is memory.
-fn machine_error(run: &RunKey, error: &impl std::fmt::Display) -> HarnessError {
+/// What libtorch refused to the student, or to a teacher that asked it or has networks of its own. Shapes were checked
+/// before, so that what is left is the machine's: no memory, a device that went away.
+fn libtorch(error: &RunError) -> Option<&AgentError> {
+    match error {
+        RunError::Student(error) | RunError::Teacher(CurriculumError::Student(error)) => {
+            matches!(error, AgentError::Torch(_)).then_some(error)
+        }
+        _ => None,
+    }
+}
+
+fn machine_error(run: &RunKey, error: &AgentError) -> HarnessError {
     HarnessError::Machine { run: run.to_string(), reason: error.to_string() }
 }
 

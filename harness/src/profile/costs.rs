@@ -189,7 +189,7 @@ impl Profile {
         let megabytes = |bytes: u64| bytes as f64 / 1e6;
         let _ = write!(
             text,
-            "\nOne evaluation and one checkpoint are counted for every {every} steps, as in a whole run.\n\
+            "\nOne evaluation and one checkpoint, with this profile's episodes, are counted for every {every} steps.\n\
              {:.1} training steps/s, {:.1} updates/s; at the limit 1/(physics + products) {:.1} steps/s: {:.3} of it\n\
              an update takes {:.2} ms for its bare products ({:.0} GFLOP/s) and {:.3} times that in all ({:.3} with its batch)\n\
              at most {:.0} MB of memory; {:.0} MB once the replay buffer is full, {:.0} MB of them its own\n",

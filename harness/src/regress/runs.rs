@@ -1,6 +1,5 @@
 //! Carrying out the runs of a protocol, or finding them carried out.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::HarnessError;
@@ -81,7 +80,3 @@ pub fn find(plan: &Plan, results: &Path) -> Result<(), HarnessError> {
     }
 }
 
-/// Versions of goalbench and its native libraries, as the runs of `plan` note them.
-pub fn versions(plan: &Plan) -> BTreeMap<String, String> {
-    plan.runs.first().map(|run| crate::run::manifest::manifest(run).versions).unwrap_or_default()
-}

@@ -62,12 +62,17 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
     }
     manifest::config(&found).map_err(damaged)?;
     let outcome = outcome(folder, &found)?;
-    if outcome.is_none() && found.versions != wanted.versions {
-        // Going on would mix what two programs computed.
-        let versions = |manifest: &Manifest| serde_json::json!({ "versions": manifest.versions });
-        return Err(other(differences(&versions(&found), &versions(wanted))));
+    if outcome.is_none() {
+        check_program(folder, &found)?;
     }
     Ok(outcome.map_or(State::Begun, State::Ended))
+}
+
+/// Refuses a run of another version of the program: going on would mix what two programs computed.
+fn check_program(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
+    manifest::other_program(manifest).map_or(Ok(()), |differences| {
+        Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences })
+    })
 }
 
 /// How the run of `manifest` in `folder` ended, its records verified; `None` if it has not.
@@ -85,8 +90,9 @@ pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, Ha
 /// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
 ///
 /// # Errors
-/// [`HarnessError::Io`] if its files cannot be removed.
+/// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Io`] if its files cannot be removed.
 pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
+    check_program(folder, &read_manifest(folder)?.0)?;
     // The outcome first: without it, checksums are not looked at.
     for name in [layout::OUTCOME, CHECKSUMS] {
         let path = folder.join(name);

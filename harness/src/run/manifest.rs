@@ -42,13 +42,32 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, String> {
         .map_err(|error| format!("config.{}: {}", error.path(), error.inner()))
 }
 
-/// Versions of this program and of the native libraries that it runs on.
-fn versions() -> BTreeMap<String, String> {
+/// The entry of a manifest's versions that names the commit that the program was built from. It is told and not compared:
+/// most commits change no result.
+pub const COMMIT: &str = "commit";
+
+/// In what the program that wrote `manifest` differs from this one, a line for each version, commits apart; `None` if in
+/// nothing.
+pub fn other_program(manifest: &Manifest) -> Option<String> {
+    let compared = |mut versions: BTreeMap<String, String>| {
+        versions.remove(COMMIT);
+        json!({ "versions": versions })
+    };
+    let (there, here) = (compared(manifest.versions.clone()), compared(versions()));
+    (there != here).then(|| differences(&there, &here))
+}
+
+/// Versions of this program and of the native libraries that it runs on, and its [`COMMIT`] if it was built from one.
+pub fn versions() -> BTreeMap<String, String> {
     let libraries = agents::versions().into_iter().map(|(name, version)| (name.to_owned(), version));
     let mut versions: BTreeMap<String, String> = libraries.collect();
     // Environments refuse to run on any other version.
     versions.insert("mujoco".to_owned(), envs::MUJOCO_VERSION.to_owned());
     versions.insert("goalbench".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    let commit = env!("GOALBENCH_COMMIT");
+    if !commit.is_empty() {
+        versions.insert(COMMIT.to_owned(), commit.to_owned());
+    }
     versions
 }
 

@@ -13,7 +13,8 @@ use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::regress::compare::{self, compare};
 use crate::regress::output::{self, Check};
-use crate::regress::{Baseline, cells, runs};
+use crate::regress::{Baseline, cells};
+use crate::run::manifest::{self, COMMIT};
 
 #[derive(clap::Args)]
 #[command(
@@ -59,7 +60,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     };
     let plan = Plan::new(&protocol, registry)?;
     let before = baseline.cells_of(&plan, &args.baseline)?;
-    notes.extend(foreign(&baseline, &plan));
+    notes.extend(foreign(&baseline));
     if !args.exact {
         // Told before anything is run.
         let tests = compare::samples(&before, &before, settings.window).len();
@@ -110,13 +111,14 @@ fn keep(
 }
 
 /// In what this machine is another than the one that recorded: identical curves cannot be expected then.
-fn foreign(baseline: &Baseline, plan: &Plan) -> Vec<String> {
-    let now = runs::versions(plan);
+fn foreign(baseline: &Baseline) -> Vec<String> {
+    let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {
         let here = now.get(name).map_or("none", String::as_str);
         (here != there).then(|| format!("{name} is {here} here, the baseline was recorded with {there}"))
     };
-    let mut notes: Vec<String> = baseline.versions.iter().filter_map(version).collect();
+    let compared = baseline.versions.iter().filter(|(name, _)| name.as_str() != COMMIT);
+    let mut notes: Vec<String> = compared.filter_map(version).collect();
     let cpu = crate::regress::baseline::cpu();
     if cpu != baseline.cpu {
         notes.push(format!(

@@ -14,7 +14,8 @@ use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, presets};
 use crate::regress::baseline::{Gate, Origin};
 use crate::regress::compare::{Settings, check_seeds, samples};
-use crate::regress::{Baseline, cells, runs};
+use crate::regress::{Baseline, cells};
+use crate::run::manifest;
 
 /// Seeds that a check runs unless told otherwise: the first of the protocol's.
 const CHECK_SEEDS: usize = 5;
@@ -68,7 +69,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
         complain(&format!("goalbench: only checks with --exact will take this baseline: {error}"));
     }
     let count = found.cells.len();
-    let origin = Origin { source, protocol: text, versions: runs::versions(&plan) };
+    let origin = Origin { source, protocol: text, versions: manifest::versions() };
     let baseline = Baseline::new(origin, Gate { seeds: check, settings }, found.cells)?;
     fs::write(&args.out, baseline.text()).map_err(HarnessError::io(&args.out, "write this baseline"))?;
     print(&format!(
