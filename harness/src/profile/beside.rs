@@ -30,7 +30,11 @@ impl Beside {
         let mut gains = self.gains();
         gains.sort_by(f64::total_cmp);
         let middle = gains.len() / 2;
-        if gains.len().is_multiple_of(2) { f64::midpoint(gains[middle - 1], gains[middle]) } else { gains[middle] }
+        if gains.len().is_multiple_of(2) {
+            f64::midpoint(gains[middle - 1], gains[middle])
+        } else {
+            gains[middle]
+        }
     }
 
     /// All numbers.
@@ -104,7 +108,8 @@ mod tests {
 
     #[test]
     fn the_gain_is_the_median_of_the_rounds() {
-        let mut found = Beside { runs: 2, alone: vec![80.0, 100.0, 50.0], together: vec![160.0, 120.0, 95.0] };
+        let mut found =
+            Beside { runs: 2, alone: vec![80.0, 100.0, 50.0], together: vec![160.0, 120.0, 95.0] };
         assert_eq!(found.gain(), 1.9, "of 2, 1.2 and 1.9");
         assert!(found.as_text().contains("1.900 times"));
         found.alone.pop();

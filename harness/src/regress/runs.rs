@@ -79,4 +79,3 @@ pub fn find(plan: &Plan, results: &Path) -> Result<(), HarnessError> {
         }
     }
 }
-

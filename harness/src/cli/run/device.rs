@@ -37,7 +37,8 @@ pub(super) fn check(plan: &Plan, jobs: &[Job]) -> Result<(), HarnessError> {
 
 /// `goalbench try-cuda`.
 pub(in crate::cli) fn try_cuda() -> Exit {
-    let unusable = |error: agents::AgentError| HarnessError::Argument { option: "--device", reason: error.to_string() };
+    let unusable =
+        |error: agents::AgentError| HarnessError::Argument { option: "--device", reason: error.to_string() };
     agents::Device::Cuda.open().map_err(unusable)?;
     Ok(ExitCode::SUCCESS)
 }
