@@ -116,7 +116,15 @@ fn note_version(results: &Path, what: &str, version: &str) {
 fn an_unfinished_run_of_another_commit_goes_on_and_says_so() {
     let folder = finished();
     note_version(folder.path(), "commit", "0123456789ab");
-    fs::remove_file(run(folder.path()).join(layout::OUTCOME)).expect("an outcome");
+    // Killed before its first evaluation.
+    for entry in fs::read_dir(run(folder.path())).expect("a run") {
+        let path = entry.expect("it can be read").path();
+        if path.is_dir() {
+            fs::remove_dir_all(path).expect("it can be removed");
+        } else if !path.ends_with(layout::MANIFEST) {
+            fs::remove_file(path).expect("it can be removed");
+        }
+    }
     let output = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
     assert!(output.status.success(), "{}", stderr(&output));
     let note = "Point/teach/default/seed-0: begun by a build of commit 0123456789ab, goes on with ";
