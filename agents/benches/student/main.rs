@@ -11,9 +11,10 @@ mod support;
 mod ratio;
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use agents::{Agent, Auto, Batch, Mode, Network, Products, Replay, Source, StudentConfig};
+use cpu_time::ThreadTime;
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use envs::Observation;
 use envs::rng::{Purpose, stream};
@@ -23,25 +24,40 @@ use support::{FETCH, Still, random_episode, random_rows};
 /// Transitions per gradient step.
 const BATCH: usize = 1024;
 
+/// Episodes that the student has seen.
+const EPISODES: usize = 500;
+
+/// A buffer of so many episodes.
+fn replay(episodes: usize) -> Replay {
+    let mut rng = stream(0, Purpose::Replay);
+    let mut replay = Replay::new(&FETCH, 1_000_000).expect("room");
+    for _ in 0..episodes {
+        replay.push(&random_episode(&FETCH, &mut rng)).expect("an episode of this task");
+    }
+    replay
+}
+
 /// A student with some experience.
 fn student(config: &StudentConfig) -> Box<dyn Agent> {
     let mut student = agents::make(config, &FETCH, 0).expect("a student");
     let (env, mut rng) = (Still::new(FETCH), stream(0, Purpose::Replay));
-    for _ in 0..500 {
+    for _ in 0..EPISODES {
         let episode = random_episode(&FETCH, &mut rng);
         student.observe(&episode, &env, &mut rng).expect("an episode of this task");
     }
     student
 }
 
+/// What `work` takes of the processor. It never waits, so that only other work on the machine makes this less than the
+/// time on the wall.
 fn timed(work: impl FnOnce()) -> Duration {
-    let start = Instant::now();
+    let start = ThreadTime::now();
     work();
     start.elapsed()
 }
 
-/// A short cycle of the student, its Polyak update included and the drawing of its batches left out, against as many times
-/// the products, in turn.
+/// A short cycle of the student, its Polyak update included and the drawing of its batches taken off (measured on a buffer of
+/// the same episodes), against as many times the products, in turn.
 ///
 /// A real cycle takes ten times as many gradient steps. Short ones change sides so often that a machine whose speed wanders
 /// slows both alike.
@@ -55,17 +71,21 @@ fn update(criterion: &mut Criterion<Ratio>) {
         let products = Products::new(&config, &FETCH).expect("memory");
         let mut student = student(&config);
         let (env, mut rng) = (Still::new(FETCH), stream(0, Purpose::Replay));
+        let replay = replay(EPISODES);
+        let mut batch = Batch::new(&FETCH, BATCH);
         group.bench_function("to its products", |bencher| {
             bencher.iter_custom(|times| {
                 let ratio = |_| {
                     let bare = timed(|| {
                         (0..config.updates_per_cycle).for_each(|_| products.run().expect("products"))
                     });
-                    let sampled = student.sampling_time();
                     let whole = timed(|| student.learn(&env, &mut rng).expect("finite"));
-                    let sampling = student.sampling_time().zip(sampled).map(|(now, before)| now - before);
-                    let whole = whole - sampling.expect("this student tells");
-                    whole.as_secs_f64() / bare.as_secs_f64()
+                    let drawing = timed(|| {
+                        for _ in 0..config.updates_per_cycle {
+                            replay.sample(Source::All, 4, &env, &mut rng, &mut batch).expect("transitions");
+                        }
+                    });
+                    (whole - drawing).as_secs_f64() / bare.as_secs_f64()
                 };
                 (0..times).map(ratio).sum()
             });
@@ -77,10 +97,7 @@ fn update(criterion: &mut Criterion<Ratio>) {
 fn sampling(criterion: &mut Criterion<Ratio>) {
     agents::prepare_thread();
     let (env, mut rng) = (Still::new(FETCH), stream(0, Purpose::Replay));
-    let mut replay = Replay::new(&FETCH, 1_000_000).expect("room");
-    for _ in 0..20_000 {
-        replay.push(&random_episode(&FETCH, &mut rng)).expect("an episode of this task");
-    }
+    let replay = replay(20_000);
     let mut batch = Batch::new(&FETCH, BATCH);
     let config = StudentConfig { updates_per_cycle: 1, ..StudentConfig::default() };
     let mut student = student(&config);

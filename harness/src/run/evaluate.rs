@@ -9,7 +9,7 @@ use super::train::RunError;
 /// Episodes that are played in lockstep, at most: the policy then answers for all of them at once.
 ///
 /// Every environment allows it. Twenty instances of a maze take 0.1 MB and 0.04 ms, of a Hand task 3 MB and 5 ms, of a Fetch
-/// task 4 MB and 10 ms, once per run (the first simulates the set-up, the others are spared it); their steps take as long as those of one instance.
+/// task 4 MB (its set-up is simulated once per process); their steps take as long as those of one instance.
 /// Asking for one action at a time costs 15 µs per step on the CPU; on a GPU every call waits for the device.
 pub const LOCKSTEP: u64 = 20;
 
