@@ -27,14 +27,7 @@ impl Beside {
 
     /// The median of the rounds' gains: a moment in which the machine had other work spoils one round only.
     pub fn gain(&self) -> f64 {
-        let mut gains = self.gains();
-        gains.sort_by(f64::total_cmp);
-        let middle = gains.len() / 2;
-        if gains.len().is_multiple_of(2) {
-            f64::midpoint(gains[middle - 1], gains[middle])
-        } else {
-            gains[middle]
-        }
+        reports::stats::median(&self.gains()).expect("at least one round")
     }
 
     /// All numbers.
