@@ -11,13 +11,43 @@ use crate::error::AgentError;
 
 /// Which copy of the networks answers: the trained ones or their slowly following targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Network {
-    /// The networks that gradient steps change.
+    /// The networks that gradient steps change: Q(s, g, π(s, g)).
     #[default]
     Online,
-    /// Their Polyak averages.
+    /// Their Polyak averages: Q'(s, g, π'(s, g)).
     Target,
+    /// The averaged critic judges the actions of the trained policy: Q'(s, g, π(s, g)), the smooth value function of
+    /// TEACH, section 5.4 and Eq. 12.
+    TargetCritic,
+}
+
+/// One of the two copies that every network is kept in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parameters {
+    /// The one that gradient steps change.
+    Online,
+    /// Its Polyak average.
+    Target,
+}
+
+impl Network {
+    /// Whose actions are judged.
+    pub(crate) fn actor(self) -> Parameters {
+        match self {
+            Self::Online | Self::TargetCritic => Parameters::Online,
+            Self::Target => Parameters::Target,
+        }
+    }
+
+    /// Who judges them.
+    pub(crate) fn critic(self) -> Parameters {
+        match self {
+            Self::Online => Parameters::Online,
+            Self::Target | Self::TargetCritic => Parameters::Target,
+        }
+    }
 }
 
 /// The read-only side of a student: what a teacher may look at.
@@ -31,11 +61,12 @@ pub trait Critic {
     /// episode taken in).
     fn gradient_steps(&self) -> u64;
 
-    /// The lowest value a critic can hold, -1/(1-gamma); the highest is 0.
+    /// The lowest return there is, -1/(1-gamma); the highest is 0. A critic's own values can lie outside.
     fn lowest_value(&self) -> f64;
 
     /// Policy confidence of every goal, shape `[n]`: the mean over `states` (`[m, S]`) of Q(s, g, pi(s, g)),
-    /// each value clipped to `[lowest_value, 0]` (TEACH, Eq. 7). `goals` has shape `[n, G]`.
+    /// as it is: an untrained critic may answer above 0 or below [`Critic::lowest_value`] (TEACH, Eq. 7). `goals` has shape
+    /// `[n, G]`.
     ///
     /// # Errors
     /// [`AgentError::NotFinite`] if a value is NaN.

@@ -103,8 +103,7 @@ impl Critic for Ddpg {
     }
 
     fn confidence(&mut self, goals: &Rows, states: &Rows, network: Network) -> Result<Vec<f64>, AgentError> {
-        let lowest = self.lowest_value();
-        self.inference.confidence(&self.learner, &self.normalizers, network, goals, states, lowest)
+        self.inference.confidence(&self.learner, &self.normalizers, network, goals, states)
     }
 
     fn policy(&mut self, states: &Rows, goals: &Rows, network: Network) -> Result<Rows, AgentError> {

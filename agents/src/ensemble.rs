@@ -7,7 +7,7 @@ use envs::{Rows, Spec};
 use serde::{Deserialize, Serialize};
 use tch::{Device, TchError};
 
-use crate::agent::{Episode, Network};
+use crate::agent::{Episode, Parameters};
 use crate::batch::{Batch, Dims, check_len};
 use crate::config::{StudentConfig, at_least, fraction, positive};
 use crate::error::AgentError;
@@ -216,7 +216,7 @@ impl Ensemble {
         })?;
         passes.set_rows(rows)?;
         let shared = inputs.block.rows(0, rows)?.repeated(self.config.members)?;
-        passes.forward(self.learner.networks.network(Network::Online), &shared)?;
+        passes.forward(self.learner.networks.network(Parameters::Online), &shared)?;
         let lowest = self.discount.lowest_value();
         read(&passes.output().plain.whole, |numbers| {
             if numbers.iter().any(|q| !q.is_finite()) {

@@ -3,7 +3,7 @@
 use envs::rng::Rng;
 use tch::{Device, TchError};
 
-use crate::agent::Network;
+use crate::agent::Parameters;
 use crate::inputs::{Part, rows_per_part};
 use crate::losses::{Discount, critic_part, write_targets};
 use crate::networks::{Block, Passes, Shape, Trained};
@@ -41,9 +41,9 @@ impl ValueLearner {
     /// the part's share of the losses, summed over the critics.
     pub(crate) fn add_gradient(&mut self, part: &Part, n: usize) -> Result<f64, TchError> {
         let Self { networks, passes, targets, discount } = self;
-        passes.forward(networks.network(Network::Target), &part.next.all)?;
+        passes.forward(networks.network(Parameters::Target), &part.next.all)?;
         write_targets(&part.rewards.plain, &passes.output().plain, *discount, &targets.plain)?;
-        passes.forward(networks.network(Network::Online), &part.current.all)?;
+        passes.forward(networks.network(Parameters::Online), &part.current.all)?;
         let slope = &passes.output_gradient().plain;
         let loss = critic_part(&passes.output().plain, &targets.plain, n, slope)?;
         let (online, gradient) = networks.for_backward();

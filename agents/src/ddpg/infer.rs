@@ -3,7 +3,7 @@
 use envs::Rows;
 use tch::{Device, TchError, Tensor};
 
-use crate::agent::Network;
+use crate::agent::{Network, Parameters};
 use crate::batch::{Batch, Dims, check_len};
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers};
@@ -77,10 +77,10 @@ impl Query {
     fn actions<T>(
         &mut self,
         learner: &Learner,
-        network: Network,
+        policy: Parameters,
         work: impl FnOnce(&[f32]) -> T,
     ) -> Result<T, AgentError> {
-        self.actor.forward(learner.actor.network(network), &self.views.observed)?;
+        self.actor.forward(learner.actor.network(policy), &self.views.observed)?;
         let (rows, answers) = (self.views.rows, &mut self.answers);
         read_finite(&self.actor.output().transposed.whole, "policy's action", learner.steps, |by_columns| {
             answers.clear();
@@ -96,9 +96,9 @@ impl Query {
         network: Network,
         work: impl FnOnce(&[f32]),
     ) -> Result<(), AgentError> {
-        self.actor.forward(learner.actor.network(network), &self.views.observed)?;
+        self.actor.forward(learner.actor.network(network.actor()), &self.views.observed)?;
         copy(&self.views.actions.plain.whole, &self.actor.output().plain.whole)?;
-        self.critic.forward(learner.critic.networks.network(network), &self.views.all)?;
+        self.critic.forward(learner.critic.networks.network(network.critic()), &self.views.all)?;
         read_finite(&self.critic.output().plain.whole, "critic's value", learner.steps, work)
     }
 }
@@ -134,7 +134,7 @@ impl Inference {
         action: &mut [f64],
     ) -> Result<(), AgentError> {
         self.one.inputs.fill(|numbers| normalizers.write_wide(state, goal, numbers))?;
-        self.one.actions(learner, Network::Online, |numbers| {
+        self.one.actions(learner, Parameters::Online, |numbers| {
             for (action, &number) in action.iter_mut().zip(numbers) {
                 *action = f64::from(number);
             }
@@ -153,7 +153,7 @@ impl Inference {
         let actions = self.many.dims.action;
         let mut wide = vec![0.0; actions];
         self.in_chunks(normalizers, pairs, |query| {
-            query.actions(learner, network, |numbers| {
+            query.actions(learner, network.actor(), |numbers| {
                 for row in numbers.chunks_exact(actions) {
                     for (wide, &number) in wide.iter_mut().zip(row) {
                         *wide = f64::from(number);
@@ -172,7 +172,6 @@ impl Inference {
         network: Network,
         goals: &Rows,
         states: &Rows,
-        lowest: f64,
     ) -> Result<Vec<f64>, AgentError> {
         check_len("a state", self.many.dims.state, states.width())?;
         check_len("a goal", self.many.dims.goal, goals.width())?;
@@ -186,7 +185,7 @@ impl Inference {
         self.in_chunks(normalizers, pairs, |query| {
             query.values(learner, network, |values| {
                 for &value in values {
-                    sums[pair % n] += f64::from(value).clamp(lowest, 0.0);
+                    sums[pair % n] += f64::from(value);
                     pair += 1;
                 }
             })
@@ -219,7 +218,7 @@ impl Inference {
                 }
             })?;
             let labels = &mut batch.next_actions[first * action..][..rows * action];
-            self.many.actions(learner, network, |numbers| labels.copy_from_slice(numbers))?;
+            self.many.actions(learner, network.actor(), |numbers| labels.copy_from_slice(numbers))?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use rand::Rng as _;
 use tch::{Device, Kind, Tensor};
 
 use super::update::Learner;
-use crate::agent::Network;
+use crate::agent::Parameters;
 use crate::auto::Auto;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
@@ -92,7 +92,7 @@ struct Reference {
 impl Reference {
     fn of(trained: &Trained, shape: Shape) -> Self {
         let [online, target] =
-            [Network::Online, Network::Target].map(|network| Mlp::of(trained.network(network), shape));
+            [Parameters::Online, Parameters::Target].map(|which| Mlp::of(trained.network(which), shape));
         let zeros = || online.parameters.iter().map(Tensor::zeros_like).collect();
         Self { first: zeros(), second: zeros(), steps: 0, online, target }
     }
@@ -204,7 +204,7 @@ fn learner(layers: usize, batch: usize, rng: &mut Rng) -> Learner {
     let dims = Dims::of(&SPEC);
     let learner = Learner::new(&config, DISCOUNT, dims, shapes(layers), Device::Cpu, rng).unwrap();
     for trained in [&learner.actor, &learner.critic.networks] {
-        for (network, scale) in [(Network::Online, 1.0), (Network::Target, 1.5)] {
+        for (network, scale) in [(Parameters::Online, 1.0), (Parameters::Target, 1.5)] {
             let stack = trained.network(network);
             let mut numbers = stack.numbers().unwrap();
             for number in &mut numbers {

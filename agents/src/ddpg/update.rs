@@ -3,7 +3,7 @@
 use envs::rng::Rng;
 use tch::{Device, TchError};
 
-use crate::agent::Network;
+use crate::agent::Parameters;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
 use crate::error::AgentError;
@@ -46,7 +46,7 @@ impl Learner {
         let n = config.batch();
         let actor_networks = Trained::new(actor, 1, device, rng)?;
         let critic = ValueLearner::new(critic, 1, n, discount, device, rng)?;
-        let online = critic.networks.network(Network::Online);
+        let online = critic.networks.network(Parameters::Online);
         Ok(Self {
             action_weights: online.input_weights(dims.actor_inputs(), dims.action)?,
             actor: actor_networks,
@@ -86,7 +86,7 @@ impl Learner {
     fn add_critic_gradient(&mut self, part: usize) -> Result<f64, TchError> {
         let Self { actor, critic, actor_passes, inputs, .. } = self;
         let part = &inputs.parts[part];
-        actor_passes.forward(actor.network(Network::Target), &part.next.observed)?;
+        actor_passes.forward(actor.network(Parameters::Target), &part.next.observed)?;
         copy(&part.next.actions.plain.whole, &actor_passes.output().plain.whole)?;
         critic.add_gradient(part, inputs.n)
     }
@@ -96,10 +96,10 @@ impl Learner {
     fn add_actor_gradient(&mut self, part: usize) -> Result<f64, TchError> {
         let Self { actor, critic, actor_passes, inputs, action_weights, rates, .. } = self;
         let (part, n) = (&inputs.parts[part], inputs.n);
-        actor_passes.forward(actor.network(Network::Online), &part.current.observed)?;
+        actor_passes.forward(actor.network(Parameters::Online), &part.current.observed)?;
         // The critic has learned from the actions that lay here; now it judges the policy's.
         copy(&part.current.actions.plain.whole, &actor_passes.output().plain.whole)?;
-        let judge = critic.networks.network(Network::Online);
+        let judge = critic.networks.network(Parameters::Online);
         critic.passes.forward(judge, &part.current.all)?;
         let mut loss = value_part(&critic.passes.output().plain, n, &critic.passes.output_gradient().plain)?;
         let slope = actor_passes.output_gradient();

@@ -4,7 +4,7 @@ use envs::rng::{Purpose, Rng, stream};
 use envs::{Family, GoalEnv, Observation, Rows, Spec};
 
 use super::{Ddpg, state};
-use crate::agent::{Agent, Critic, Episode, Mode, Network};
+use crate::agent::{Agent, Critic, Episode, Mode, Network, Parameters};
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::{Preset, StudentConfig};
@@ -69,7 +69,7 @@ fn every_new_episode_feeds_the_normalisers_with_as_many_relabelled_draws_of_it_a
 
 /// Parameters of the online and the target network.
 fn networks(trained: &Trained) -> [Vec<f32>; 2] {
-    [Network::Online, Network::Target].map(|network| trained.network(network).numbers().unwrap())
+    [Parameters::Online, Parameters::Target].map(|which| trained.network(which).numbers().unwrap())
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn a_student_on_another_device_learns_and_answers_alike() {
         let observation = Observation { state: vec![1.0, 2.0], achieved: vec![0.0, 0.0] };
         let mut answers = vec![0.0; 2];
         student.act(&observation, &[1.0, -1.0], Mode::Greedy, &mut answers).unwrap();
-        for network in [Network::Online, Network::Target] {
+        for network in [Network::Online, Network::Target, Network::TargetCritic] {
             answers.extend(student.confidence(&goals, &states, network).unwrap());
             answers.extend(student.policy(&states, &goals, network).unwrap().as_slice());
         }

@@ -10,7 +10,7 @@ use super::block::copy;
 use super::shape::Shape;
 use super::slices::with_slices;
 use super::stack::Stack;
-use crate::agent::Network;
+use crate::agent::Parameters;
 use crate::device::in_reach;
 use crate::error::AgentError;
 
@@ -45,10 +45,10 @@ impl Trained {
     }
 
     /// The networks asked for.
-    pub(crate) fn network(&self, which: Network) -> &Stack {
+    pub(crate) fn network(&self, which: Parameters) -> &Stack {
         match which {
-            Network::Online => &self.online,
-            Network::Target => &self.target,
+            Parameters::Online => &self.online,
+            Parameters::Target => &self.target,
         }
     }
 
