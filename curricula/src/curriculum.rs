@@ -39,10 +39,28 @@ pub struct Setting {
     /// N goals drawn once from the environment's own distribution, shared by all curricula of one seed. Empty for
     /// methods that do not use it ([`Method::USES_POOL`](crate::Method::USES_POOL)): `her-iid` and `vds`.
     pub pool: Arc<Goals>,
-    /// The run's seed, for teachers with networks of their own.
+    /// Seed of the teacher's stream (the run's, unless `seed.teacher` says otherwise), for teachers with networks of their own.
     pub seed: u64,
     /// The student's resolved hyper-parameters, for teachers whose networks are like the student's.
     pub student: StudentConfig,
+}
+
+/// What a teacher thought of a goal when it chose it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// How the method scored the goal: the larger, the more it wanted it. Finite.
+    pub score: f64,
+    /// Where a method trains on a ranked set: the goal's place in it.
+    pub rank: Option<Rank>,
+}
+
+/// A place in a ranked set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rank {
+    /// 0 for the goal that ranks first.
+    pub place: usize,
+    /// Goals in the set, at least 1.
+    pub of: usize,
 }
 
 /// Numbers about what a teacher is doing, recorded at every evaluation: (name, value), always the same names in the
@@ -78,6 +96,13 @@ pub trait Curriculum: Send {
         _rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
         Ok(())
+    }
+
+    /// What the teacher thought of the goal that it proposed last, for methods that score goals. Recorded beside how the episode
+    /// ended: a score that says nothing about success, or ranks of which some never come up, show a teacher that is not
+    /// doing what it should.
+    fn choice(&self) -> Option<Choice> {
+        None
     }
 
     /// The current probability of every pool goal, shape `[N]`, for teachers that hold one.

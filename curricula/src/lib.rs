@@ -5,8 +5,8 @@
 //! its `pub mod` line in [`methods`] and one row of the table; outside this workspace it is the same file and an [`Entry`]
 //! made from it.
 //!
-//! The other modules are what teachers have in common: a [`Probe`] asks the student for its confidence, a
-//! [`Window`] remembers the answers, a [`Distribution`] over goals comes of them (both are a [`PoolState`]), and
+//! The other modules are what teachers have in common: a [`Probe`] asks the student for its confidence and remembers the
+//! answers in a [`Window`], a [`Distribution`] over goals comes of them (both are a [`PoolState`]), and
 //! [`snapshot`] keeps it all for a resumed run.
 
 mod curriculum;
@@ -20,7 +20,7 @@ pub mod snapshot;
 mod variance;
 mod window;
 
-pub use curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
+pub use curriculum::{Choice, Curriculum, Lesson, Proposal, Rank, Setting, Statistics};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
 pub use pool_state::PoolState;

@@ -11,16 +11,16 @@ use crate::snapshot;
 /// The probe that measures confidence, and the curriculum that follows from it: part of such a teacher's state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PoolState {
-    /// Measures confidence.
+    /// Measures confidence and remembers it.
     pub probe: Probe,
     /// A probability for every goal of the pool.
     pub curriculum: Distribution,
 }
 
 impl PoolState {
-    /// `curriculum`, before anything is measured.
-    pub fn new(curriculum: Distribution) -> Self {
-        Self { probe: Probe::new(), curriculum }
+    /// `curriculum`, before anything is measured; a probe that will remember `window` evaluations.
+    pub fn new(curriculum: Distribution, window: usize) -> Self {
+        Self { probe: Probe::new(window), curriculum }
     }
 
     /// Numbers to record: those of the curriculum, then those of the probe.
@@ -30,11 +30,12 @@ impl PoolState {
         statistics
     }
 
-    /// Refuses a loaded state that is of another pool than one of `goals`.
+    /// Refuses a loaded state that is of another pool than one of `goals`, or compares other than `window` evaluations.
     ///
     /// # Errors
     /// [`CurriculumError::State`] if it is.
-    pub fn check(&self, goals: usize) -> Result<(), CurriculumError> {
-        snapshot::require_goals(self.curriculum.probabilities().len(), goals)
+    pub fn check(&self, goals: usize, window: usize) -> Result<(), CurriculumError> {
+        snapshot::require_goals(self.curriculum.probabilities().len(), goals)?;
+        self.probe.check(goals, window)
     }
 }

@@ -1,4 +1,4 @@
-//! Asking the student for its confidence in the goals of the pool.
+//! Asking the student for its confidence in the goals of the pool, and remembering answers that can be compared.
 
 use agents::{AgentError, Network};
 use envs::{Goals, Rows};
@@ -7,16 +7,24 @@ use serde::{Deserialize, Serialize};
 use crate::curriculum::Lesson;
 use crate::distribution::require_finite;
 use crate::error::CurriculumError;
+use crate::snapshot;
+use crate::window::Window;
 
-/// From which states confidence is measured: the paper's "s ~ D" leaves it open.
+/// From which states confidence is measured. Eq. 7 of TEACH averages over the states of the replay buffer and leaves open
+/// how many that are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StateSource {
-    /// The start state of the coming episode.
+    /// States drawn once from the replay buffer and held, so that confidence moves only with the networks. They are renewed
+    /// now and then, with a hand-over: see [`Probe`].
     #[default]
-    Initial,
-    /// States drawn uniformly from the replay buffer. The price is a pass over the pool for every one of them.
+    Reference,
+    /// Fresh draws from the replay buffer at every evaluation: unbiased, but what changes between two evaluations is also
+    /// the sample.
     Replay,
+    /// The start state of the coming episode: what changes between two evaluations is also the start, where starts are
+    /// random.
+    Initial,
 }
 
 /// How confidence is measured.
@@ -26,54 +34,100 @@ pub struct ProbeConfig {
     pub network: Network,
     /// From which states.
     pub states: StateSource,
-    /// How many states, with [`StateSource::Replay`].
+    /// M, how many states, with [`StateSource::Reference`] and [`StateSource::Replay`].
     pub replay_states: usize,
+    /// Evaluations after which [`StateSource::Reference`] begins with other states.
+    pub renewal: u64,
 }
 
 /// The largest accepted number of replay states: every one costs a forward pass over the whole pool.
 const MOST_REPLAY_STATES: usize = 1024;
 
 impl ProbeConfig {
-    /// Checks the ranges.
+    /// Checks the ranges, for a probe that compares `window` evaluations.
     ///
     /// # Errors
-    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024.
-    pub fn check(&self) -> Result<(), CurriculumError> {
+    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024 or a `renewal` below `window`: states that are
+    /// renewed sooner could never fill it.
+    pub fn check(&self, window: usize) -> Result<(), CurriculumError> {
         let accepted = format!("in 1..={MOST_REPLAY_STATES}");
         let ok = (1..=MOST_REPLAY_STATES).contains(&self.replay_states);
-        CurriculumError::require(ok, "replay_states", &accepted, self.replay_states)
+        CurriculumError::require(ok, "replay_states", &accepted, self.replay_states)?;
+        let accepted = format!("at least {window}, the evaluations that are compared");
+        CurriculumError::require(self.renewal >= window as u64, "renewal", &accepted, self.renewal)
     }
 }
 
 /// What comes of asking.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// The confidence in every goal, shape `[N]`, within [−1/(1−γ), 0].
-    Confidence(Vec<f64>),
-    /// Nothing was evaluated: the networks have not changed since the last evaluation.
+    /// The window has a new evaluation, or its newest was made anew from another start.
+    Recorded,
+    /// Nothing was evaluated: all would be as at the last evaluation.
     Unchanged,
-    /// Nothing was evaluated: replay states are asked for, and there are none yet.
+    /// Nothing was evaluated: replayed states are asked for, and there are none yet.
     NoStates,
 }
 
-/// Measures policy confidence C(g) (TEACH, Eq. 7) over a list of goals, and at most once per state of the
-/// networks.
+/// Measures policy confidence C(g) (TEACH, Eq. 7) over a list of goals, once per state of the networks, and remembers the last
+/// evaluations in a [`Window`].
+///
+/// With [`StateSource::Reference`] all evaluations in the window are from the same states. After `renewal` evaluations a
+/// successor is drawn; both sets are measured until the successor's window is full, then it takes over. So the window
+/// never compares different states, and its states do not grow old.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
     /// Gradient steps behind the networks at the last evaluation.
     asked_at: Option<u64>,
+    /// The start at hand then, shape `[S]`.
+    asked_from: Vec<f64>,
     evaluations: u64,
     /// Mean, smallest and largest confidence at the last evaluation.
     summary: Option<[f64; 3]>,
+    current: Series,
+    successor: Option<Series>,
+}
+
+/// Evaluations from one set of states.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Series {
+    /// The states held, shape `[M, S]`; none before the first draw, and none where states are not held.
+    states: Option<Rows>,
+    /// How often they were measured.
+    measured: u64,
+    window: Window,
+}
+
+impl Series {
+    fn new(window: usize, states: Option<Rows>) -> Self {
+        Self { states, measured: 0, window: Window::new(window) }
+    }
 }
 
 impl Probe {
-    /// A probe that has not asked yet.
-    pub fn new() -> Self {
-        Self { asked_at: None, evaluations: 0, summary: None }
+    /// A probe that remembers `window` evaluations and has not asked yet.
+    ///
+    /// # Panics
+    /// If `window` is 0.
+    pub fn new(window: usize) -> Self {
+        Self {
+            asked_at: None,
+            asked_from: Vec::new(),
+            evaluations: 0,
+            summary: None,
+            current: Series::new(window, None),
+            successor: None,
+        }
     }
 
-    /// The student's confidence in every goal of `pool`, if there is something to be learned by asking.
+    /// The last evaluations, all comparable with each other as far as [`StateSource`] says.
+    pub fn window(&self) -> &Window {
+        &self.current.window
+    }
+
+    /// Asks the student for its confidence in every goal of `pool`, if the networks have changed since the last evaluation. With
+    /// [`StateSource::Initial`] and `anew` also if they have not, but the coming episode has another start: the newest
+    /// evaluation is then made anew from there.
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`] or [`CurriculumError::Student`] if the answer is not one finite value per goal.
@@ -82,29 +136,72 @@ impl Probe {
         config: &ProbeConfig,
         pool: &Goals,
         lesson: &mut Lesson<'_>,
+        anew: bool,
     ) -> Result<Answer, CurriculumError> {
         let now = lesson.student.gradient_steps();
-        if self.asked_at == Some(now) {
+        let moved = self.asked_at != Some(now);
+        let elsewhere = config.states == StateSource::Initial && self.asked_from != lesson.start.state;
+        if !moved && !(anew && elsewhere) {
             return Ok(Answer::Unchanged);
         }
+        let Some(states) = self.states(config, lesson) else { return Ok(Answer::NoStates) };
+        let values = measure(config, pool, &states, lesson)?;
+        self.summary = Some(summarise(&values));
+        self.evaluations += 1;
+        if moved {
+            self.current.window.push(values);
+            self.current.measured += 1;
+        } else {
+            self.current.window.replace_last(values);
+        }
+        if config.states == StateSource::Reference {
+            self.renew(config, pool, lesson)?;
+        }
+        self.asked_at = Some(now);
+        self.asked_from.clone_from(&lesson.start.state);
+        Ok(Answer::Recorded)
+    }
+
+    /// The states to average over, if there are any.
+    fn states(&mut self, config: &ProbeConfig, lesson: &mut Lesson<'_>) -> Option<Rows> {
         let states = match config.states {
             StateSource::Initial => single(&lesson.start.state),
             StateSource::Replay => lesson.student.replay_states(config.replay_states, lesson.rng),
+            StateSource::Reference => match &self.current.states {
+                Some(held) => held.clone(),
+                None => {
+                    let drawn = lesson.student.replay_states(config.replay_states, lesson.rng);
+                    self.current.states = (!drawn.is_empty()).then(|| drawn.clone());
+                    drawn
+                }
+            },
         };
-        if states.is_empty() {
-            return Ok(Answer::NoStates);
+        (!states.is_empty()).then_some(states)
+    }
+
+    /// Draws a successor of the held states when they have served their time, measures it, and hands over to it when its window
+    /// is full.
+    fn renew(
+        &mut self,
+        config: &ProbeConfig,
+        pool: &Goals,
+        lesson: &mut Lesson<'_>,
+    ) -> Result<(), CurriculumError> {
+        if self.current.measured <= config.renewal {
+            return Ok(());
         }
-        let values = lesson.student.confidence(pool, &states, config.network)?;
-        if values.len() != pool.len() {
-            return Err(
-                AgentError::Shape { what: "confidence", expected: pool.len(), got: values.len() }.into()
-            );
+        let capacity = self.current.window.capacity();
+        let successor = self.successor.get_or_insert_with(|| {
+            let drawn = lesson.student.replay_states(config.replay_states, lesson.rng);
+            Series::new(capacity, Some(drawn))
+        });
+        let states = successor.states.as_ref().expect("drawn with the successor");
+        successor.window.push(measure(config, pool, states, lesson)?);
+        successor.measured += 1;
+        if successor.window.len() == capacity {
+            self.current = self.successor.take().expect("just measured");
         }
-        require_finite(&values, "confidence")?;
-        self.asked_at = Some(now);
-        self.evaluations += 1;
-        self.summary = Some(summarise(&values));
-        Ok(Answer::Confidence(values))
+        Ok(())
     }
 
     /// Evaluations so far, and the mean, smallest and largest confidence at the last one (NaN before the first).
@@ -117,12 +214,35 @@ impl Probe {
             ("confidence_max", max),
         ]
     }
+
+    /// Refuses a loaded state that is of another pool than one of `goals`, or of a window of another length than `window`.
+    ///
+    /// # Errors
+    /// [`CurriculumError::State`] if it is.
+    pub fn check(&self, goals: usize, window: usize) -> Result<(), CurriculumError> {
+        for series in std::iter::once(&self.current).chain(&self.successor) {
+            series.window.check(goals, window)?;
+        }
+        if self.successor.as_ref().is_some_and(|successor| successor.states.is_none()) {
+            return Err(snapshot::refuse("a successor without states"));
+        }
+        Ok(())
+    }
 }
 
-impl Default for Probe {
-    fn default() -> Self {
-        Self::new()
+/// The confidence in every goal of `pool`, shape `[N]`, as a mean over `states`.
+fn measure(
+    config: &ProbeConfig,
+    pool: &Goals,
+    states: &Rows,
+    lesson: &mut Lesson<'_>,
+) -> Result<Vec<f64>, CurriculumError> {
+    let values = lesson.student.confidence(pool, states, config.network)?;
+    if values.len() != pool.len() {
+        return Err(AgentError::Shape { what: "confidence", expected: pool.len(), got: values.len() }.into());
     }
+    require_finite(&values, "confidence")?;
+    Ok(values)
 }
 
 /// One state as a matrix of one row.

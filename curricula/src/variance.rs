@@ -2,7 +2,7 @@
 
 /// Standard deviation of a goal's values that says nothing about the goal: their rounding.
 ///
-/// Values lie in [−1/(1−γ), 0], which is [−100, 0] for the longest horizon of the paper, in single precision. Neighbouring
+/// Values of a trained critic lie in [−1/(1−γ), 0], which is [−100, 0] for the longest horizon of the paper, in single precision. Neighbouring
 /// numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
 pub const ROUNDING: f64 = 3e-6;
 

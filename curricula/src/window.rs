@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::CurriculumError;
+use crate::snapshot;
 use crate::variance::population_variance;
 
 /// A ring of the last `capacity` evaluations, each with one value per goal.
@@ -62,6 +64,53 @@ impl Window {
         self.evaluations.push_back(values);
     }
 
+    /// Puts the values of all goals, shape `[N]`, in the place of the newest evaluation.
+    ///
+    /// # Panics
+    /// If there is none, or it has another number of values.
+    pub fn replace_last(&mut self, values: Vec<f64>) {
+        let last = self.evaluations.back_mut().expect("an evaluation to replace");
+        assert_eq!(values.len(), last.len(), "every evaluation has one value per goal");
+        *last = values;
+    }
+
+    /// The evaluation before the newest.
+    pub fn before_last(&self) -> Option<&[f64]> {
+        self.evaluations.iter().nth_back(1).map(Vec::as_slice)
+    }
+
+    /// |C(g, t) − C(g, t−1)| of every goal, shape `[N]`: the simple difference that TEACH, section 4.3, argues against. All 0
+    /// with one evaluation, empty without any.
+    pub fn difference(&self) -> Vec<f64> {
+        let newest = self.last().unwrap_or_default();
+        let before = self.before_last().unwrap_or(newest);
+        newest.iter().zip(before).map(|(now, before)| (now - before).abs()).collect()
+    }
+
+    /// The largest size of a value in the newest evaluation; 0 without any.
+    pub fn magnitude(&self) -> f64 {
+        self.last().unwrap_or_default().iter().fold(0.0, |largest, value| value.abs().max(largest))
+    }
+
+    /// Refuses a loaded window of another length than `capacity`, or of other goals than `goals`.
+    ///
+    /// # Errors
+    /// [`CurriculumError::State`] if it is one.
+    pub fn check(&self, goals: usize, capacity: usize) -> Result<(), CurriculumError> {
+        for evaluation in self.iter() {
+            snapshot::require_goals(evaluation.len(), goals)?;
+            if let Some(value) = evaluation.iter().find(|value| !value.is_finite()) {
+                return Err(snapshot::refuse(format!("a saved value is {value}")));
+            }
+        }
+        if self.capacity != capacity || self.len() > capacity {
+            let (held, written) = (self.len(), self.capacity);
+            let reason = format!("{held} evaluations in a window of {written}; its config says {capacity}");
+            return Err(snapshot::refuse(reason));
+        }
+        Ok(())
+    }
+
     /// Population variance over time of every goal's value, shape `[N]` (TEACH, Eq. 8-9): over the evaluations
     /// there are, which may still be fewer than `capacity`. Empty if there is none.
     pub fn variance(&self) -> Vec<f64> {
@@ -84,6 +133,27 @@ mod tests {
         }
         // Goal 0: mean -3, deviations 2, 0, -2: 8/3. Goal 1 stands still.
         assert_eq!(window.variance(), [8.0 / 3.0, 0.0]);
+        assert_eq!(window.difference(), [2.0, 0.0], "from -3 to -5");
+        assert_eq!(window.magnitude(), 5.0);
+    }
+
+    #[test]
+    fn fewer_than_two_evaluations_do_not_differ() {
+        let mut window = Window::new(3);
+        assert!(window.difference().is_empty() && window.magnitude() == 0.0);
+        window.push(vec![-1.0, -4.0]);
+        assert_eq!(window.difference(), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_newest_evaluation_can_be_made_anew() {
+        let mut window = Window::new(2);
+        [-50.0, -2.0].into_iter().for_each(|value| window.push(vec![value]));
+        window.replace_last(vec![-4.0]);
+        assert_eq!(
+            (window.len(), window.before_last(), window.last()),
+            (2, Some(&[-50.0][..]), Some(&[-4.0][..]))
+        );
     }
 
     #[test]

@@ -2,8 +2,10 @@
 //! "Hindsight Experience Replay", NeurIPS 2017). The baseline that a curriculum has to beat.
 //!
 //! # Deviations and choices
-//! - The goal comes from the environment's own joint draw of start and goal at the reset, as in HER's training
-//!   loop, so no stream of the teacher's is used.
+//! - The goal comes from the environment's own joint draw of start and goal at the reset, as in Baselines' HER, so
+//!   no stream of the teacher's is used. VDS's code, run without an ensemble, draws goals from another instance
+//!   than the one at hand.
+//! - TEACH reproduces HER-IID by "official code" without naming it. Here the student is the same for all methods.
 
 use serde::{Deserialize, Serialize};
 

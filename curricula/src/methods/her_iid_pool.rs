@@ -2,10 +2,12 @@
 //! "choosing from a fixed pool": it differs from a pool teacher in the choice alone.
 //!
 //! # Deviations and choices
-//! - No paper has it; TEACH compares with HER-IID only, which sees fresh goals throughout.
-//! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for. Those of
-//!   the pool keep it when they are set at another start, here as for every teacher of the pool. The rotation tasks ask
-//!   for no place, but the student sees it in the goal; in the others it differs by the spread of the starts.
+//! - No paper has it. TEACH's HER-IID draws from the task space, not from the N goals that its teacher chooses
+//!   from.
+//! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for. Those
+//!   of the pool keep it when they are set at another start, here as for every teacher of the pool. The rotation
+//!   tasks ask for no place, but the student sees it in the goal; in the others it differs by the spread of the
+//!   starts.
 
 use serde::{Deserialize, Serialize};
 

@@ -10,12 +10,20 @@
 //! - The paper's score is PoS(s) (PoS*(s) − PoS(s)) with the optimal probability of success PoS*; as in the
 //!   authors' code, PoS* = 1.
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' PPO.
-//! - Vmin and Vmax are the bounds of a value under the sparse reward, −1/(1−γ) and 0 (`fixed`); the authors' code
-//!   divides by a known best return instead, or takes smallest and largest value over all tasks (`adaptive`).
-//!   If under `adaptive` all values are equal to within rounding ([`FLAT`]), no goal is known to be easier than another,
-//!   and all get p = 0: a uniform draw.
-//! - Scores are renewed whenever the networks have changed; the authors' code does so every few thousand steps.
-//! - TEACH describes the score as the geometric mean √(p(1 − p)). Its largest goal is the same; `argmax` gives it.
+//! - Vmin and Vmax are the bounds of a return, −1/(1−γ) and 0 (`fixed`). Of the five environments in the authors'
+//!   code, two with a single reward for success take V as it is, two divide by a fixed best return, and one takes
+//!   smallest and largest value over all tasks (`adaptive`). All clip to [0, 1].
+//! - With a reward of −1 per step V also tells how long success takes, so p is no probability: a goal that is
+//!   always reached, but only after half of an episode of 50 steps, has p = 0.6.
+//! - If under `adaptive` all values are equal to within rounding ([`FLAT`]), no goal is known to be easier than
+//!   another, and all get p = 0: a uniform draw. The authors' code divides by 0 there.
+//! - Values are those of the coming episode's start (`states = "initial"`), asked anew for every start and after
+//!   every change of the networks. In the authors' code a task has a start of its own, which need not be the next,
+//!   and values are renewed once per rollout of PPO, 1024 to 5120 steps: there, too, as often as the networks
+//!   change.
+//! - The draw is a softmax over all goals with β = 20, as in the authors' code.
+//! - TEACH words the score as a geometric mean and takes the largest. That reads as √(p(1 − p)), whose largest goal
+//!   is that of p(1 − p): `argmax`.
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 
@@ -25,7 +33,7 @@ use agents::Network;
 use envs::Goals;
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::pool_state::PoolState;
@@ -39,7 +47,9 @@ use crate::variance::rounding;
 pub const FLAT: f64 = 8.0;
 
 /// Version of the state in saved bytes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// Only the newest values count.
+const COMPARED: usize = 1;
 
 /// ProCuRL's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,12 +59,14 @@ pub struct ProCurlConfig {
     pub beta: f64,
     /// Vmin and Vmax: `fixed` (choice) or `adaptive`.
     pub bounds: Bounds,
-    /// Networks that answer: `online` (paper) or `target`.
+    /// Networks that answer: `online` (choice), `target` or `target-critic`.
     pub confidence: Network,
-    /// States that C(g) averages over: `initial` (paper) or `replay`.
+    /// States that C(g) averages over: `initial` (authors' code), `reference` or `replay`.
     pub states: StateSource,
-    /// Number of states with `states = "replay"`; 1 to 1024. Choice: 8.
+    /// Number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
     pub replay_states: usize,
+    /// Evaluations after which `reference` begins with other states; at least 1. Choice: 100.
+    pub renewal: u64,
     /// `softmax` (authors' code) or `argmax`.
     pub selection: Selection,
 }
@@ -89,6 +101,7 @@ impl Default for ProCurlConfig {
             confidence: Network::Online,
             states: StateSource::Initial,
             replay_states: 8,
+            renewal: 100,
             selection: Selection::Softmax,
         }
     }
@@ -96,7 +109,8 @@ impl Default for ProCurlConfig {
 
 impl ProCurlConfig {
     fn probe(&self) -> ProbeConfig {
-        ProbeConfig { network: self.confidence, states: self.states, replay_states: self.replay_states }
+        let Self { confidence: network, states, replay_states, renewal, .. } = *self;
+        ProbeConfig { network, states, replay_states, renewal }
     }
 }
 
@@ -114,8 +128,17 @@ pub fn proximity(p: f64) -> f64 {
 pub struct ProCurl {
     config: ProCurlConfig,
     pool: Arc<Goals>,
-    /// Everything that changes while teaching.
-    state: PoolState,
+    state: State,
+    /// The last goal's score.
+    choice: Option<Choice>,
+}
+
+/// Everything that changes while teaching.
+#[derive(Serialize, Deserialize)]
+struct State {
+    common: PoolState,
+    /// p (1 − p) of every goal, shape `[N]`, that the curriculum was made from; empty before the first.
+    scores: Vec<f64>,
 }
 
 impl Method for ProCurl {
@@ -129,28 +152,35 @@ impl Method for ProCurl {
     fn check(config: &ProCurlConfig) -> Result<(), CurriculumError> {
         let ok = config.beta.is_finite() && config.beta >= 0.0;
         CurriculumError::require(ok, "beta", "finite and at least 0", config.beta)?;
-        config.probe().check()
+        config.probe().check(COMPARED)
     }
 
     fn build(config: ProCurlConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         let pool = Arc::clone(&setting.pool);
-        let state = PoolState::new(Distribution::uniform(pool.len()));
-        Ok(Box::new(Self { config, pool, state }))
+        let common = PoolState::new(Distribution::uniform(pool.len()), COMPARED);
+        Ok(Box::new(Self { config, pool, state: State { common, scores: Vec::new() }, choice: None }))
     }
 }
 
 impl ProCurlConfig {
-    /// The curriculum that follows from the confidence in every goal; `lowest` is −1/(1−γ).
-    fn curriculum(&self, confidence: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
+    /// p (1 − p) of every goal from the confidence in it, both of shape `[N]`; `lowest` is −1/(1−γ).
+    fn scores(&self, confidence: &[f64], lowest: f64) -> Vec<f64> {
         let (min, max) = match self.bounds {
             Bounds::Fixed => (lowest, 0.0),
-            Bounds::Adaptive => extremes(confidence, FLAT * rounding(lowest)),
+            // Values that no return can have are rounded more coarsely.
+            Bounds::Adaptive => {
+                let largest = confidence.iter().fold(-lowest, |largest, value| value.abs().max(largest));
+                extremes(confidence, FLAT * rounding(-largest))
+            }
         };
-        let scores: Vec<f64> =
-            confidence.iter().map(|&value| proximity(success_probability(value, min, max))).collect();
+        confidence.iter().map(|&value| proximity(success_probability(value, min, max))).collect()
+    }
+
+    /// The curriculum that follows from every goal's score.
+    fn curriculum(&self, scores: &[f64]) -> Result<Distribution, CurriculumError> {
         match self.selection {
-            Selection::Softmax => Distribution::softmax(&scores, self.beta, "proximity"),
-            Selection::Argmax => Distribution::argmax(&scores, "proximity"),
+            Selection::Softmax => Distribution::softmax(scores, self.beta, "proximity"),
+            Selection::Argmax => Distribution::argmax(scores, "proximity"),
         }
     }
 }
@@ -164,19 +194,27 @@ fn extremes(values: &[f64], flat: f64) -> (f64, f64) {
 
 impl Curriculum for ProCurl {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let state = &mut self.state;
-        if let Answer::Confidence(confidence) = state.probe.ask(&self.config.probe(), &self.pool, lesson)? {
-            state.curriculum = self.config.curriculum(&confidence, lesson.student.lowest_value())?;
+        let Self { config, pool, state, choice } = self;
+        if state.common.probe.ask(&config.probe(), pool, lesson, true)? == Answer::Recorded {
+            let confidence = state.common.probe.window().last().expect("recorded");
+            state.scores = config.scores(confidence, lesson.student.lowest_value());
+            state.common.curriculum = config.curriculum(&state.scores)?;
         }
-        Ok(Proposal::Pool(state.curriculum.draw(lesson.rng)))
+        let goal = state.common.curriculum.draw(lesson.rng);
+        *choice = state.scores.get(goal).map(|&score| Choice { score, rank: None });
+        Ok(Proposal::Pool(goal))
+    }
+
+    fn choice(&self) -> Option<Choice> {
+        self.choice
     }
 
     fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.curriculum.probabilities())
+        Some(self.state.common.curriculum.probabilities())
     }
 
     fn statistics(&self) -> Statistics {
-        self.state.statistics()
+        self.state.common.statistics()
     }
 
     fn save(&self) -> Result<Vec<u8>, CurriculumError> {
@@ -184,8 +222,11 @@ impl Curriculum for ProCurl {
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: PoolState = snapshot::load(Self::ID, VERSION, bytes)?;
-        state.check(self.pool.len())?;
+        let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
+        state.common.check(self.pool.len(), COMPARED)?;
+        if !state.scores.is_empty() {
+            snapshot::require_goals(state.scores.len(), self.pool.len())?;
+        }
         self.state = state;
         Ok(())
     }

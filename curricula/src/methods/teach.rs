@@ -2,25 +2,45 @@
 //! Curriculum for Reinforcement Learning", arXiv 2512.22824, Algorithm 2).
 //!
 //! While the student learns to reach a goal, the critic's value of that goal changes; for goals it has mastered
-//! and goals out of its reach the value stands still. So the teacher evaluates the policy confidence C(g) of
-//! every goal of the pool now and then (Eq. 7, [`Probe`](crate::Probe)), remembers the last n evaluations ([`Window`]), takes
-//! each goal's variance over time δ_i (Eq. 8-9), and draws goals from the curriculum K(g_i) = δ_i / Σδ
+//! and goals out of its reach the value stands still. So the teacher records the policy confidence C(g) of
+//! every goal of the pool whenever the networks have changed (Eq. 7, [`Probe`](crate::Probe)), keeps the last n records
+//! ([`Window`]), takes each goal's variance over them, δ_i (Eq. 8-9), and draws goals from the curriculum K(g_i) = δ_i / Σδ
 //! (Eq. 10-11, [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
-//! - "One timestep" of the window is one evaluation. The paper does not say what it is.
-//! - An evaluation falls due every Δ episodes, and is left out if the networks have not changed since the last
-//!   one: all it could add is what differs between starts and normalisers. With the student's cycle of two
-//!   episodes, Δ = 1 therefore comes to one evaluation per cycle, and Δ = 2 to the very same ones.
-//! - With `states = "replay"` an evaluation that falls due before there are any states is made as soon as there are.
-//! - Where starts are random (Fetch with an object, HandManipulate*), the variance with `initial` states includes
-//!   that of the starts, and always that of the input normalisers.
-//! - The variance is taken over the evaluations there are, also while the window still fills up. With fewer than
-//!   two, or when no value moves beyond rounding, the curriculum is uniform.
-//! - C(g) averages over s ~ D, which the paper leaves open: here the start state of the coming episode, or
-//!   replayed states (`states`).
-//! - Equations say "in proportion to K", section 5.2 says "the goal with the highest variance": `selection`.
-//!   With `argmax`, ties are drawn evenly.
+//! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states, the
+//!   paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so that δ moves
+//!   with the networks and their input normalisers alone, not with the sample. After every 100 evaluations others
+//!   take over, without the window ever comparing different states. The first come from the first episode alone, as
+//!   the buffer holds nothing else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte
+//!   Carlo, which adds Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of
+//!   D; where starts are random they move δ, too.
+//! - Eq. 7 has no clip, so values count as they are. An untrained critic's may lie outside [−1/(1−γ), 0].
+//! - In Algorithm 2, which Eq. 8's k counts along with, every environment step brings an update of the student.
+//!   Here the student learns once per cycle, so a window of n environment steps would nearly always hold n equal
+//!   values. A value is therefore recorded once per change of the networks (`record = "cycle"`): n = 10 spans ten
+//!   cycles, which at the student's defaults are 20 episodes (1,000 steps where H = 50) and 400 gradient steps; in
+//!   the paper it spans ten steps.
+//! - Δ says only how often the curriculum is computed from the last n values. `record = "evaluation"` records only
+//!   when Δ is due, which stretches the window with Δ. With a cycle of two episodes Δ = 1 and Δ = 2 come to the
+//!   same, except under `initial`.
+//! - Algorithm 2 speaks of a target goal at every step, section 5.2 of one at the beginning of each episode: here
+//!   the latter, also for Δ > 1, where every episode draws anew from the last curriculum.
+//! - Under `initial` a second episode of a cycle may have another start. If the curriculum is due, the newest value
+//!   is then taken anew from there.
+//! - The variance (1/n, as in Eq. 8) is taken over the values there are, also while the window still fills up. With
+//!   fewer than two, or when no value moves beyond rounding, the curriculum is uniform; the paper says nothing
+//!   about either.
+//! - A curriculum that falls due before there is anything to measure is computed as soon as there is.
+//! - Eq. 11 draws goals in proportion to K, section 5.2 assigns "the goal with maximum temporal uncertainty":
+//!   `selection`. With `argmax`, ties are drawn evenly.
+//! - Eq. 9 integrates over the goal space; N goals stand for it (Eq. 10), drawn once at the start of training. The
+//!   paper draws them uniformly; here they come from the environment's own goal distribution, which is not uniform
+//!   everywhere.
+//! - Section 5.4 smooths the value function by Eq. 12 and does not say whose action it judges. `target-critic`
+//!   takes the trained policy's, `target` that of an averaged policy.
+//! - `signal = "difference"` is a control: the size of the change between the last two values. Section 4.3 argues
+//!   against it.
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 
@@ -30,7 +50,7 @@ use agents::Network;
 use envs::Goals;
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::pool_state::PoolState;
@@ -41,24 +61,71 @@ use crate::variance::rounding;
 use crate::window::Window;
 
 /// Version of [`State`] in saved bytes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// TEACH's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TeachConfig {
-    /// n, evaluations in the window; at least 2. Paper: 10, and 3 in Figure 3.
+    /// n, values in the window; at least 2. Paper: 10, and 3 in Figure 3.
     pub window: usize,
-    /// Δ, episodes between evaluations; at least 1. Paper: 1.
+    /// Δ, episodes between two computations of the curriculum; at least 1. Paper: 1.
     pub interplay: u64,
-    /// Networks that answer: `online` (paper) or `target` (Figure 3).
+    /// When a value of every goal is recorded: `cycle` (whenever the networks have changed) or `evaluation` (when Δ is due).
+    pub record: Recording,
+    /// What counts as progress: `variance` (Eq. 8) or `difference` (a control).
+    pub signal: Signal,
+    /// Networks that answer: `online` (paper), `target-critic` (Figure 3: the smooth value of the policy's action) or `target`
+    /// (both averaged).
     pub confidence: Network,
-    /// States that C(g) averages over: `initial` (choice) or `replay`.
+    /// States that C(g) averages over: `reference` (default) or `replay` (both after the paper's D), or `initial`.
     pub states: StateSource,
-    /// M, number of states with `states = "replay"`; 1 to 1024. Choice: 8.
+    /// M, number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
     pub replay_states: usize,
+    /// Evaluations after which `reference` begins with other states; at least n. Choice: 100.
+    pub renewal: u64,
     /// `proportional` (Eq. 11) or `argmax` (section 5.2).
     pub selection: Selection,
+}
+
+/// When TEACH records a value of every goal: what Eq. 8 sums over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Recording {
+    /// Whenever the networks have changed: with this student after every cycle.
+    #[default]
+    Cycle,
+    /// When Δ is due, and the networks have changed since the last time.
+    Evaluation,
+}
+
+/// What TEACH takes for learning progress.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Signal {
+    /// The variance of a goal's value over the window (Eq. 8).
+    #[default]
+    Variance,
+    /// The size of its last change.
+    Difference,
+}
+
+impl Signal {
+    /// Every goal's progress, shape `[N]`.
+    pub fn of(self, window: &Window) -> Vec<f64> {
+        match self {
+            Self::Variance => window.variance(),
+            Self::Difference => window.difference(),
+        }
+    }
+
+    /// The progress that comes of rounding alone, of values down to `lowest`.
+    fn negligible(self, lowest: f64) -> f64 {
+        match self {
+            Self::Variance => rounding(lowest).powi(2),
+            Self::Difference => rounding(lowest),
+        }
+    }
 }
 
 /// How TEACH turns the curriculum K into a goal.
@@ -77,9 +144,12 @@ impl Default for TeachConfig {
         Self {
             window: 10,
             interplay: 1,
+            record: Recording::Cycle,
+            signal: Signal::Variance,
             confidence: Network::Online,
-            states: StateSource::Initial,
+            states: StateSource::Reference,
             replay_states: 8,
+            renewal: 100,
             selection: Selection::Proportional,
         }
     }
@@ -87,7 +157,8 @@ impl Default for TeachConfig {
 
 impl TeachConfig {
     fn probe(&self) -> ProbeConfig {
-        ProbeConfig { network: self.confidence, states: self.states, replay_states: self.replay_states }
+        let Self { confidence: network, states, replay_states, renewal, .. } = *self;
+        ProbeConfig { network, states, replay_states, renewal }
     }
 }
 
@@ -96,6 +167,8 @@ pub struct Teach {
     config: TeachConfig,
     pool: Arc<Goals>,
     state: State,
+    /// The last goal's weight in the curriculum.
+    choice: Option<Choice>,
 }
 
 /// Everything that changes while teaching.
@@ -103,9 +176,8 @@ pub struct Teach {
 struct State {
     /// Goals proposed so far.
     episodes: u64,
-    /// Whether an evaluation has fallen due that could not be made yet.
+    /// Whether a curriculum has fallen due that could not be computed yet.
     due: bool,
-    window: Window,
     common: PoolState,
 }
 
@@ -119,46 +191,51 @@ impl Method for Teach {
     fn check(config: &TeachConfig) -> Result<(), CurriculumError> {
         CurriculumError::require(config.window >= 2, "window", "at least 2", config.window)?;
         CurriculumError::require(config.interplay >= 1, "interplay", "at least 1", config.interplay)?;
-        config.probe().check()
+        config.probe().check(config.window)
     }
 
     fn build(config: TeachConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         let pool = Arc::clone(&setting.pool);
-        let state = State {
-            episodes: 0,
-            due: false,
-            window: Window::new(config.window),
-            common: PoolState::new(Distribution::uniform(pool.len())),
-        };
-        Ok(Box::new(Self { config, pool, state }))
+        let common = PoolState::new(Distribution::uniform(pool.len()), config.window);
+        Ok(Box::new(Self { config, pool, state: State { episodes: 0, due: false, common }, choice: None }))
     }
 }
 
-/// K: in proportion to each goal's variance over the window, or all on the largest. `lowest` is −1/(1−γ).
-fn curriculum(window: &Window, selection: Selection, lowest: f64) -> Result<Distribution, CurriculumError> {
-    let negligible = rounding(lowest).powi(2);
-    let proportional = Distribution::proportional(&window.variance(), negligible, "temporal variance")?;
-    match selection {
-        Selection::Proportional => Ok(proportional),
-        Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
+impl TeachConfig {
+    /// K: in proportion to each goal's progress over the window, or all on the largest. `lowest` is −1/(1−γ).
+    fn curriculum(&self, window: &Window, lowest: f64) -> Result<Distribution, CurriculumError> {
+        // Values that no return can have are rounded more coarsely.
+        let lowest = lowest.min(-window.magnitude());
+        let progress = self.signal.of(window);
+        let proportional =
+            Distribution::proportional(&progress, self.signal.negligible(lowest), "learning progress")?;
+        match self.selection {
+            Selection::Proportional => Ok(proportional),
+            Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
+        }
     }
 }
 
 impl Curriculum for Teach {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let state = &mut self.state;
-        state.due |= state.episodes.is_multiple_of(self.config.interplay);
+        let Self { config, pool, state, choice } = self;
+        state.due |= state.episodes.is_multiple_of(config.interplay);
         state.episodes += 1;
-        if state.due {
-            let answer = state.common.probe.ask(&self.config.probe(), &self.pool, lesson)?;
-            state.due = answer == Answer::NoStates;
-            if let Answer::Confidence(confidence) = answer {
-                state.window.push(confidence);
-                let lowest = lesson.student.lowest_value();
-                state.common.curriculum = curriculum(&state.window, self.config.selection, lowest)?;
+        if state.due || config.record == Recording::Cycle {
+            let answer = state.common.probe.ask(&config.probe(), pool, lesson, state.due)?;
+            if state.due && answer != Answer::NoStates {
+                state.due = false;
+                let window = state.common.probe.window();
+                state.common.curriculum = config.curriculum(window, lesson.student.lowest_value())?;
             }
         }
-        Ok(Proposal::Pool(state.common.curriculum.draw(lesson.rng)))
+        let goal = state.common.curriculum.draw(lesson.rng);
+        *choice = Some(Choice { score: state.common.curriculum.probabilities()[goal], rank: None });
+        Ok(Proposal::Pool(goal))
+    }
+
+    fn choice(&self) -> Option<Choice> {
+        self.choice
     }
 
     fn weights(&self) -> Option<&[f64]> {
@@ -175,15 +252,7 @@ impl Curriculum for Teach {
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
         let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        state.common.check(self.pool.len())?;
-        for evaluation in state.window.iter() {
-            snapshot::require_goals(evaluation.len(), self.pool.len())?;
-        }
-        let (written, held, own) = (state.window.capacity(), state.window.len(), self.config.window);
-        if written != own || held > own {
-            let reason = format!("{held} evaluations in a window of {written}; its config says {own}");
-            return Err(snapshot::refuse(reason));
-        }
+        state.common.check(self.pool.len(), self.config.window)?;
         self.state = state;
         Ok(())
     }

@@ -8,28 +8,39 @@
 //! drawn in proportion to the members' disagreement ([`Disagreement`], [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
+//! - How much the ensemble learns: the authors' README runs `baselines.ve_run`, which after every single episode
+//!   takes 100 steps of 1000 transitions per member, then 40 steps of 256 of the student. The student's preset
+//!   `official` does the same. Else the ensemble takes 40 steps per cycle on batches of the student's size, as
+//!   `vds_config` does, which `baselines.goalenv_run` reads (there two episodes per cycle, and batches of 256 for
+//!   both).
 //! - The ensemble's experience is the student's buffer, read without hindsight: every transition with the goal that
 //!   was asked for. The authors' code keeps a second buffer of the same size with the same episodes.
-//! - Members have the student's architecture, γ and input clipping, as in the authors' code; batch size and
-//!   Polyak coefficient follow the student unless given.
+//! - Members have the student's architecture, γ and input clipping, as in the authors' code; batch size and Polyak
+//!   coefficient follow the student unless given.
 //! - The ensemble trains after the student in each cycle, not before, so next actions come from the newer policy.
 //! - Candidates are drawn by [`envs::GoalEnv::sample_goal`], as the environment draws goals for the start at hand.
-//!   Where goals depend on the start (HandManipulate*), candidates are conditional on it, as native goals are.
+//!   The authors' code draws them from another instance, which is reset once at the beginning. That matters where
+//!   goals depend on the start (HandManipulate*): here candidates are conditional on it, as native goals are.
 //! - Before it has learned, the ensemble's initial weights disagree by chance; like the authors' code this does not
 //!   wait for it to learn.
-//! - Next and candidate actions come from the online policy, as in the authors' code.
-//! - Where the members' values differ by rounding alone, the draw under `std`, `var` and `tanh` is uniform, in place of one
-//!   in proportion to rounding ([`Disagreement::negligible`]). `exp` gives agreement the weight 1, so there it needs no rule.
-//! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is an error.
+//! - Next and candidate actions come from the online policy, and candidates are judged by the online members,
+//!   clipped to [−1/(1−γ), 0], from the start of the coming episode: all as in the authors' code.
+//! - Where the members' values differ by rounding alone, the draw under `std`, `var` and `tanh` is uniform, in
+//!   place of one in proportion to rounding ([`Disagreement::negligible`]). The authors' code is uniform where the
+//!   sum over candidates is below 1e-8. `exp` gives agreement the weight 1, so there it needs no rule.
+//! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is an
+//!   error.
 //! - Inputs are normalised by the states and goals of the transitions as they came, without hindsight. The authors'
-//!   code draws as many transitions of each episode with replacement; here every one counts once.
+//!   code draws as many transitions of each cycle's episodes with replacement; here every one counts once.
 
-use agents::{AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Episode, Network, StudentConfig};
+use agents::{
+    AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Episode, Network, Preset, StudentConfig,
+};
 use envs::rng::{Purpose, Rng, stream};
 use envs::{GoalEnv, Goals, Rows};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::registry::Method;
@@ -49,9 +60,10 @@ pub struct VdsConfig {
     pub candidates: usize,
     /// What disagreement is: `std` (paper), `var`, `tanh` or `exp`.
     pub disagreement: Disagreement,
-    /// Gradient steps of every member per cycle of the student; at least 1. Authors' `vds_config`: 40.
-    pub updates_per_cycle: usize,
-    /// Transitions per gradient step and member; 1 to 65,536. Auto: the student's.
+    /// Gradient steps of every member per cycle of the student; 1 to 1,000,000. Auto: 40 (authors' `vds_config`); with
+    /// `student.preset = "official"` 100, after every single episode (the path that the authors' README runs).
+    pub updates_per_cycle: Auto<usize>,
+    /// Transitions per gradient step and member; 1 to 65,536. Auto: the student's; with `student.preset = "official"` 1000.
     pub batch: Auto<usize>,
     /// Adam's step size; positive and finite. Authors' code: 1e-3.
     pub learning_rate: f64,
@@ -65,7 +77,7 @@ impl Default for VdsConfig {
             members: 3,
             candidates: 1000,
             disagreement: Disagreement::Std,
-            updates_per_cycle: 40,
+            updates_per_cycle: Auto::Auto,
             batch: Auto::Auto,
             learning_rate: 1e-3,
             polyak: Auto::Auto,
@@ -130,7 +142,11 @@ impl Disagreement {
 pub struct Vds {
     config: VdsConfig,
     ensemble: Ensemble,
+    /// Gradient steps of every member per cycle of the student.
+    updates: usize,
     latest: Latest,
+    /// The last goal's disagreement.
+    choice: Option<Choice>,
     /// The transitions of a gradient step, a batch for every member.
     batch: Batch,
     /// Candidate goals, shape `[candidates, G]`.
@@ -166,11 +182,22 @@ impl Default for Latest {
 }
 
 impl VdsConfig {
+    /// Gradient steps of every member per cycle of `student`.
+    fn updates(&self, student: &StudentConfig) -> usize {
+        self.updates_per_cycle.value_or(|| match student.preset {
+            Preset::Harmonised => 40,
+            Preset::Official => 100,
+        })
+    }
+
     /// The ensemble that this asks for beside `student`.
     fn ensemble(&self, student: &StudentConfig) -> EnsembleConfig {
         EnsembleConfig {
             members: self.members,
-            batch: self.batch.value_or(|| student.batch()),
+            batch: self.batch.value_or(|| match student.preset {
+                Preset::Harmonised => student.batch(),
+                Preset::Official => 1000,
+            }),
             lr: self.learning_rate,
             polyak: self.polyak.value_or(|| student.polyak),
         }
@@ -186,7 +213,7 @@ impl Method for Vds {
     const USES_POOL: bool = false;
 
     fn check(config: &VdsConfig) -> Result<(), CurriculumError> {
-        let VdsConfig { members, candidates, updates_per_cycle, learning_rate, .. } = *config;
+        let VdsConfig { members, candidates, learning_rate, .. } = *config;
         CurriculumError::require((2..=64).contains(&members), "members", "in 2..=64", members)?;
         CurriculumError::require(
             (1..=100_000).contains(&candidates),
@@ -194,12 +221,15 @@ impl Method for Vds {
             "in 1..=100000",
             candidates,
         )?;
-        CurriculumError::require(
-            updates_per_cycle >= 1,
-            "updates_per_cycle",
-            "at least 1",
-            updates_per_cycle,
-        )?;
+        if let Auto::Value(updates) = config.updates_per_cycle {
+            let accepted = "\"auto\" or in 1..=1000000";
+            CurriculumError::require(
+                (1..=1_000_000).contains(&updates),
+                "updates_per_cycle",
+                accepted,
+                updates,
+            )?;
+        }
         let positive = learning_rate > 0.0 && learning_rate.is_finite();
         CurriculumError::require(positive, "learning_rate", "positive and finite", learning_rate)?;
         if let Auto::Value(batch) = config.batch {
@@ -232,6 +262,8 @@ impl Method for Vds {
             candidates: Goals::with_capacity(spec.goal, config.candidates),
             starts: Rows::with_capacity(spec.state, config.candidates),
             latest: Latest::default(),
+            choice: None,
+            updates: config.updates(&setting.student),
             ensemble,
             config,
         }))
@@ -259,6 +291,8 @@ impl Curriculum for Vds {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let disagreement = self.disagreement(lesson)?;
         let curriculum = self.config.disagreement.curriculum(&disagreement, lesson.student.lowest_value())?;
+        let drawn = curriculum.draw(lesson.rng);
+        self.choice = Some(Choice { score: disagreement[drawn], rank: None });
         self.latest = Latest {
             entropy: curriculum.entropy(),
             effective_goals: curriculum.effective_goals(),
@@ -266,7 +300,11 @@ impl Curriculum for Vds {
             max_disagreement: disagreement.into_iter().fold(0.0, f64::max),
             ..self.latest
         };
-        Ok(Proposal::Goal(self.candidates.row(curriculum.draw(lesson.rng)).to_vec()))
+        Ok(Proposal::Goal(self.candidates.row(drawn).to_vec()))
+    }
+
+    fn choice(&self) -> Option<Choice> {
+        self.choice
     }
 
     fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
@@ -280,13 +318,13 @@ impl Curriculum for Vds {
         rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
         let mut loss = 0.0;
-        for _ in 0..self.config.updates_per_cycle {
+        for _ in 0..self.updates {
             student.replay_batch(env, rng, &mut self.batch)?;
             student.label_next_actions(&mut self.batch, Network::Online)?;
             loss += self.ensemble.update(&self.batch)?;
         }
         self.ensemble.follow()?;
-        self.latest.loss = loss / self.config.updates_per_cycle as f64;
+        self.latest.loss = loss / self.updates as f64;
         Ok(())
     }
 

@@ -16,19 +16,34 @@ fn restless(goal: usize, steps: u64) -> f64 {
 /// The configs that a teacher is tested with: the defaults, where it has the choice confidence in replayed states, and
 /// whatever else it does in another way.
 fn configs(entry: &Entry) -> Vec<&'static str> {
-    let mut configs = vec![""];
-    if (entry.defaults)().contains_key("states") {
-        configs.push("states = \"replay\"\nreplay_states = 3");
+    match entry.id {
+        "teach" => vec![
+            "",
+            "selection = \"argmax\"\nstates = \"initial\"",
+            "signal = \"difference\"\nstates = \"replay\"\nreplay_states = 3",
+            // States are handed over in the middle of what is tested.
+            "window = 3\nrenewal = 4\nreplay_states = 3",
+            // A curriculum falls due before there are states to compute it from.
+            "interplay = 5\nstates = \"replay\"",
+            "interplay = 5\nrecord = \"evaluation\"\nconfidence = \"target-critic\"",
+        ],
+        // Episodes of the point task have 20 steps; by default no update would fall due in these tests.
+        "space" => vec![
+            "update_steps = 50",
+            "update_steps = 20\nrenewal = 3",
+            "update_steps = 20\nstates = \"initial\"\norder = \"absolute\"",
+            "update_steps = 1\nstates = \"replay\"\nreplay_states = 3\norder = \"relative\"",
+        ],
+        "procurl" => vec![
+            "",
+            "selection = \"argmax\"\nstates = \"reference\"\nrenewal = 3",
+            "bounds = \"adaptive\"\nstates = \"replay\"\nreplay_states = 3",
+        ],
+        "vds" => {
+            vec!["", "disagreement = \"var\"", "disagreement = \"tanh\"", "disagreement = \"exp\""]
+        }
+        _ => vec![""],
     }
-    configs.extend(match entry.id {
-        // The last has an evaluation fall due before there are states to make it from.
-        "teach" => &["selection = \"argmax\"", "interplay = 5\nstates = \"replay\""][..],
-        "space" => &["order = \"absolute\"", "order = \"relative\""],
-        "procurl" => &["selection = \"argmax\"", "bounds = \"adaptive\""],
-        "vds" => &["disagreement = \"var\"", "disagreement = \"tanh\"", "disagreement = \"exp\""],
-        _ => &[],
-    });
-    configs
 }
 
 fn class(entry: &Entry, config: &str) -> Class {

@@ -1,6 +1,6 @@
 //! ProCuRL prefers goals of medium difficulty.
 
-use crate::support::{Class, LOWEST, close};
+use crate::support::{Class, LOWEST, close, entry};
 
 /// p = 0, 0.1, 0.5 and 1 between the lowest value and 0.
 fn graded(goal: usize, _steps: u64) -> f64 {
@@ -65,4 +65,38 @@ fn scores_are_renewed_when_the_networks_change() {
     });
     assert_eq!(class.cycles(4), [0, 1, 0, 1]);
     assert_eq!(class.statistic("evaluations"), 4.0);
+}
+
+/// A task is a start with its goal: the second episode of a cycle has another start, and so other scores.
+#[test]
+fn scores_are_those_of_the_start_at_hand() {
+    let mut class = Class::on("FetchPush", entry("procurl"), "", 2, |_, _| -25.0).unwrap();
+    class.student.by_state = 1.0;
+    for _ in 0..2 {
+        for _ in 0..2 {
+            class.propose().unwrap();
+            let p = [1.0 - (-25.0 + class.start.state.iter().sum::<f64>()) / LOWEST, 0.5];
+            let [a, b] = p.map(|p| (20.0 * p * (1.0 - p)).exp());
+            assert!(close(&class.weights(), &[a / (a + b), b / (a + b)]), "{:?}", class.weights());
+        }
+        class.learn();
+    }
+    assert_eq!(class.student.asked.len(), 4);
+}
+
+#[test]
+fn a_choice_is_told_with_its_score() {
+    let mut class = Class::new("procurl", "selection = \"argmax\"", 4, graded);
+    assert_eq!(class.propose_index(), 2);
+    let choice = class.teacher.choice().unwrap();
+    assert_eq!((choice.score, choice.rank), (0.25, None));
+}
+
+/// Values beyond the bounds count as the bounds.
+#[test]
+fn values_that_no_return_can_have_are_clipped_here() {
+    let mut class = Class::new("procurl", "", 3, |goal, _| [-70.0, 10.0, -25.0][goal]);
+    class.propose_index();
+    let total = 2.0 + 5f64.exp();
+    assert!(close(&class.weights(), &[1.0 / total, 1.0 / total, 5f64.exp() / total]));
 }

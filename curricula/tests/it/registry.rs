@@ -60,18 +60,27 @@ fn a_value_of_another_type_is_named_with_its_field() {
 
 #[test]
 fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
-    let cases: [(&str, &str, Value, &str); 28] = [
+    let cases: [(&str, &str, Value, &str); 38] = [
         ("teach", "window", 1.into(), "at least 2"),
         ("teach", "window", (-1).into(), "invalid value"),
         ("teach", "interplay", 0.into(), "at least 1"),
         ("teach", "replay_states", 0.into(), "in 1..=1024"),
         ("teach", "replay_states", 1025.into(), "in 1..=1024"),
         ("teach", "selection", "softmax".into(), "expected `proportional` or `argmax`"),
-        ("teach", "confidence", "both".into(), "expected `online` or `target`"),
+        ("teach", "confidence", "both".into(), "expected one of `online`, `target`, `target-critic`"),
+        ("teach", "states", "start".into(), "expected one of `reference`, `replay`, `initial`"),
+        ("teach", "record", "step".into(), "expected `cycle` or `evaluation`"),
+        ("teach", "signal", "std".into(), "expected `variance` or `difference`"),
+        ("teach", "renewal", 9.into(), "at least 10, the evaluations that are compared"),
         ("space", "eta", (-0.1).into(), "at least 0"),
         ("space", "eta", f64::NAN.into(), "finite"),
         ("space", "eta", f64::INFINITY.into(), "finite"),
         ("space", "kappa", 0.into(), "at least 1"),
+        ("space", "update_steps", 0.into(), "at least 1"),
+        ("space", "renewal", 1.into(), "at least 2"),
+        ("space", "replay_states", 0.into(), "in 1..=1024"),
+        ("procurl", "renewal", 0.into(), "at least 1"),
+        ("procurl", "replay_states", 0.into(), "in 1..=1024"),
         ("space", "order", "random".into(), "expected one of `signed`, `absolute`, `relative`"),
         ("procurl", "beta", f64::INFINITY.into(), "finite"),
         ("procurl", "beta", (-1.0).into(), "at least 0"),
@@ -80,7 +89,8 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
         ("vds", "members", 65.into(), "in 2..=64"),
         ("vds", "candidates", 0.into(), "in 1..=100000"),
         ("vds", "candidates", 100_001.into(), "in 1..=100000"),
-        ("vds", "updates_per_cycle", 0.into(), "at least 1"),
+        ("vds", "updates_per_cycle", 0.into(), "\"auto\" or in 1..=1000000"),
+        ("vds", "updates_per_cycle", 1_000_001.into(), "\"auto\" or in 1..=1000000"),
         ("vds", "batch", 0.into(), "\"auto\" or in 1..=65536"),
         ("vds", "batch", 65_537.into(), "\"auto\" or in 1..=65536"),
         ("vds", "batch", "own".into(), "a number or \"auto\""),
@@ -99,18 +109,22 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
 
 #[test]
 fn the_ends_of_every_range_are_accepted() {
-    let cases: [(&str, &str, &[Value]); 13] = [
+    let cases: [(&str, &str, &[Value]); 17] = [
         ("teach", "window", &[2.into()]),
         ("teach", "interplay", &[1.into()]),
         ("teach", "replay_states", &[1.into(), 1024.into()]),
+        ("teach", "renewal", &[10.into(), i64::MAX.into()]),
         ("space", "eta", &[0.0.into(), f64::MAX.into()]),
         ("space", "kappa", &[1.into(), i64::MAX.into()]),
+        ("space", "update_steps", &[1.into(), i64::MAX.into()]),
+        ("space", "renewal", &[2.into()]),
         ("space", "replay_states", &[1.into(), 1024.into()]),
         ("procurl", "beta", &[0.0.into(), f64::MAX.into()]),
         ("procurl", "replay_states", &[1.into(), 1024.into()]),
+        ("procurl", "renewal", &[1.into()]),
         ("vds", "members", &[2.into(), 64.into()]),
         ("vds", "candidates", &[1.into(), 100_000.into()]),
-        ("vds", "updates_per_cycle", &[1.into()]),
+        ("vds", "updates_per_cycle", &[1.into(), 1_000_000.into(), "auto".into()]),
         ("vds", "batch", &[1.into(), 65_536.into(), "auto".into()]),
         ("vds", "polyak", &[0.0.into(), 1.0.into(), "auto".into()]),
     ];

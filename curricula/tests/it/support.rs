@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use agents::{AgentError, Auto, Batch, Critic, Network, StudentConfig};
+use agents::{AgentError, Auto, Batch, Critic, Episode, Network, StudentConfig};
 use curricula::{CURRICULA, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting};
 use envs::rng::{Purpose, Rng, stream, uniform};
 use envs::{GoalEnv, Goals, Observation, Rows, Spec, draw_pool};
@@ -26,6 +26,8 @@ pub(crate) struct Question {
 pub(crate) struct Scripted {
     spec: Spec,
     script: Script,
+    /// How much the sum of a state's numbers adds to confidence in every second goal.
+    pub(crate) by_state: f64,
     /// Gradient steps taken.
     pub(crate) steps: u64,
     /// Whether there is anything in the replay buffer.
@@ -46,7 +48,7 @@ pub(crate) struct Scripted {
 /// The scripted student's action: another one for every state, goal and network.
 pub(crate) fn action(state: &[f64], goal: &[f64], network: Network, width: usize) -> Vec<f64> {
     let phase = match network {
-        Network::Online => 0.0,
+        Network::Online | Network::TargetCritic => 0.0,
         Network::Target => 2.0,
     };
     let weighed = |numbers: &[f64], by: f64| -> f64 {
@@ -71,7 +73,10 @@ impl Critic for Scripted {
 
     fn confidence(&mut self, goals: &Rows, states: &Rows, network: Network) -> Result<Vec<f64>, AgentError> {
         self.asked.push(Question { network, goals: goals.clone(), states: states.clone() });
-        Ok((0..goals.len() - self.unanswered).map(|goal| (self.script)(goal, self.steps)).collect())
+        let mean = states.iter().flatten().sum::<f64>() / states.len() as f64;
+        let by_state = |goal: usize| if goal.is_multiple_of(2) { self.by_state * mean } else { 0.0 };
+        let value = |goal| (self.script)(goal, self.steps) + by_state(goal);
+        Ok((0..goals.len() - self.unanswered).map(value).collect())
     }
 
     fn policy(&mut self, states: &Rows, goals: &Rows, network: Network) -> Result<Rows, AgentError> {
@@ -177,6 +182,7 @@ impl Class {
         let student = Scripted {
             spec: env.spec().clone(),
             script,
+            by_state: 0.0,
             steps: 0,
             has_replay: false,
             unanswered: 0,
@@ -195,11 +201,13 @@ impl Class {
         self.start = self.env.observation().clone();
     }
 
-    /// One episode's proposal.
+    /// One episode: the teacher's proposal, after which it hears of an episode of standing still.
     pub(crate) fn propose(&mut self) -> Result<Proposal, CurriculumError> {
         self.reset();
         let Self { teacher, student, start, env, rng, .. } = self;
-        teacher.propose(&mut Lesson { student, start, env: &mut **env, rng })
+        let proposal = teacher.propose(&mut Lesson { student, start, env: &mut **env, rng })?;
+        teacher.observe(&standing_still(&**env))?;
+        Ok(proposal)
     }
 
     /// One episode's proposal, which must be from the pool.
@@ -244,6 +252,23 @@ impl Class {
     pub(crate) fn statistic(&self, name: &str) -> f64 {
         let found = self.teacher.statistics().into_iter().find(|(known, _)| *known == name);
         found.unwrap_or_else(|| panic!("no statistic `{name}`")).1
+    }
+}
+
+/// An episode in which nothing moves, from the start at hand.
+fn standing_still(env: &dyn GoalEnv) -> Episode {
+    let Spec { state, goal, action, horizon, .. } = *env.spec();
+    let rows = |row: &[f64], n: usize, width: usize| {
+        let mut rows = Rows::with_capacity(width, n);
+        (0..n).for_each(|_| rows.push(row));
+        rows
+    };
+    Episode {
+        states: rows(&env.observation().state, horizon + 1, state),
+        achieved: rows(&env.observation().achieved, horizon + 1, goal),
+        actions: rows(&vec![0.0; action], horizon, action),
+        goal: env.goal().to_vec(),
+        success: false,
     }
 }
 

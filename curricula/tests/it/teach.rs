@@ -1,8 +1,21 @@
 //! TEACH samples what moves.
 
 use curricula::{CurriculumError, Distribution, PoolState, snapshot};
+use envs::rng::{Purpose, stream};
 
-use crate::support::{Class, close};
+use crate::support::{Class, close, entry};
+
+/// A class of TEACH with `config` whose confidence is that at the start of the episode: there is something to measure from the first
+/// episode on.
+fn teach(config: &str, goals: usize, script: crate::support::Script) -> Class {
+    Class::new("teach", &format!("states = \"initial\"\n{config}"), goals, script)
+}
+
+/// What the teacher holds: episodes, whether a curriculum is due, and the probe with its window.
+fn held(class: &Class) -> PoolState {
+    let bytes = class.teacher.save().expect("plain data");
+    snapshot::load::<(u64, bool, PoolState)>("teach", 3, &bytes).expect("this layout").2
+}
 
 /// Goal 0 swings by 1 around its mean, goal 1 by 2; goals 2 and 3 stand still, one of them mastered.
 fn swinging(goal: usize, steps: u64) -> f64 {
@@ -17,7 +30,7 @@ fn settling(goal: usize, steps: u64) -> f64 {
 
 #[test]
 fn goals_are_drawn_in_proportion_to_their_variance() {
-    let mut class = Class::new("teach", "window = 4", 4, swinging);
+    let mut class = teach("window = 4", 4, swinging);
     class.cycles(4);
     // Variances 1 and 4.
     assert!(close(&class.weights(), &[0.2, 0.8, 0.0, 0.0]));
@@ -32,14 +45,14 @@ fn goals_are_drawn_in_proportion_to_their_variance() {
 fn hand_worked_window_of_two() {
     // Evaluations at 0, 1, 2 steps; goal i is at -(i+1) steps. Window of two: -(i+1)·1 and -(i+1)·2, so that
     // the variance is (i+1)²/4 and the curriculum 1 : 4 : 9.
-    let mut class = Class::new("teach", "window = 2", 3, settling);
+    let mut class = teach("window = 2", 3, settling);
     class.cycles(3);
     assert!(close(&class.weights(), &[1.0 / 14.0, 4.0 / 14.0, 9.0 / 14.0]));
 }
 
 #[test]
 fn after_a_window_of_standstill_the_curriculum_is_uniform() {
-    let mut class = Class::new("teach", "window = 3", 4, settling);
+    let mut class = teach("window = 3", 4, settling);
     // Evaluations at 0..=6 steps; the last two of them at standstill.
     class.cycles(7);
     assert!(!close(&class.weights(), &[0.25; 4]), "one evaluation in the window is still older");
@@ -50,7 +63,7 @@ fn after_a_window_of_standstill_the_curriculum_is_uniform() {
 
 #[test]
 fn before_the_second_evaluation_the_curriculum_is_uniform() {
-    let mut class = Class::new("teach", "", 4, swinging);
+    let mut class = teach("", 4, swinging);
     assert_eq!(class.weights(), [0.25; 4]);
     class.cycles(1);
     assert_eq!(class.weights(), [0.25; 4]);
@@ -61,8 +74,7 @@ fn before_the_second_evaluation_the_curriculum_is_uniform() {
 #[test]
 fn an_evaluation_decides_already_about_the_episode_it_precedes() {
     // All of 100 goals stand still but goal 7.
-    let mut class =
-        Class::new("teach", "", 100, |goal, steps| if goal == 7 { -(steps as f64) } else { -9.0 });
+    let mut class = teach("", 100, |goal, steps| if goal == 7 { -(steps as f64) } else { -9.0 });
     class.cycles(1);
     assert_eq!(class.propose_index(), 7);
 }
@@ -75,7 +87,7 @@ fn values_that_move_by_rounding_alone_stand_still() {
     let more = |goal: usize, steps: u64| -50.0 + (steps % 2) as f64 * [2e-4, 0.0][goal];
     for selection in ["proportional", "argmax"] {
         let weights_of = |script| {
-            let mut class = Class::new("teach", &format!("selection = \"{selection}\""), 2, script);
+            let mut class = teach(&format!("selection = \"{selection}\""), 2, script);
             class.cycles(8);
             class.weights()
         };
@@ -85,42 +97,147 @@ fn values_that_move_by_rounding_alone_stand_still() {
 }
 
 #[test]
-fn an_evaluation_that_had_no_states_yet_is_made_up_for() {
-    let mut class = Class::new("teach", "interplay = 5\nstates = \"replay\"", 4, swinging);
-    let asked_after = |class: &mut Class, episodes: usize| {
-        class.cycles(episodes);
-        class.student.asked.len()
+fn a_curriculum_that_fell_due_before_there_were_states_is_made_up_for() {
+    // Goal 1 alone moves. Due at episode 0, when nothing is replayed yet; the two values it takes are there at episode 2.
+    let config = "interplay = 2\nstates = \"replay\"\nrecord = \"evaluation\"";
+    let mut class = Class::new("teach", config, 2, |goal, steps| -((goal as u64 * steps) as f64));
+    class.cycles(1);
+    assert_eq!(class.student.asked.len(), 0);
+    class.cycles(1);
+    assert_eq!(class.student.asked.len(), 1, "made up for at episode 1");
+    class.cycles(1);
+    assert_eq!(class.student.asked.len(), 2, "due at episode 2");
+    assert_eq!(class.weights(), [0.0, 1.0]);
+}
+
+#[test]
+fn a_value_is_recorded_whenever_the_networks_have_changed_whatever_the_interplay() {
+    let window = |interplay: usize, record: &str| {
+        let config = format!("interplay = {interplay}\nrecord = \"{record}\"\nwindow = 4");
+        let mut class = Class::new("teach", &config, 4, swinging);
+        // Cycles of two episodes.
+        for _ in 0..11 {
+            class.propose().unwrap();
+            class.cycles(1);
+        }
+        held(&class).probe.window().clone()
     };
-    assert_eq!(asked_after(&mut class, 1), 0, "due at episode 0, but nothing is replayed yet");
-    assert_eq!(asked_after(&mut class, 1), 1, "made up for at episode 1");
-    assert_eq!(asked_after(&mut class, 3), 1);
-    assert_eq!(asked_after(&mut class, 1), 2, "due at episode 5");
+    // The first cycle has nothing to measure from, the last one has changed the networks after its episodes: 1 to 10 steps.
+    let every = window(1, "cycle");
+    assert_eq!(every.iter().map(|values| values[0]).collect::<Vec<_>>(), [-21.0, -19.0, -21.0, -19.0]);
+    for interplay in [2, 5, 50] {
+        assert_eq!(window(interplay, "cycle"), every, "Δ = {interplay}");
+    }
+    assert_eq!(window(1, "evaluation"), every, "the same where Δ is due with every change");
+    // The former behaviour stretches the window: due at episodes 0, 5, 10, 15 and 20, in cycles 0, 2, 5, 7 and 10.
+    let stretched = window(5, "evaluation");
+    assert_eq!(stretched.iter().map(|values| values[0]).collect::<Vec<_>>(), [-19.0, -21.0, -21.0, -19.0]);
 }
 
 #[test]
-fn an_evaluation_that_unchanged_networks_made_needless_is_left_out() {
-    let mut class = Class::new("teach", "interplay = 2", 4, swinging);
-    // A long cycle: the evaluation at episode 2 would find what that at episode 0 found.
-    (0..3).for_each(|_| assert!(class.propose().is_ok()));
-    class.learn();
-    class.propose_index();
-    assert_eq!(class.student.asked.len(), 1, "nothing is due at episode 3");
-    class.propose_index();
-    assert_eq!(class.student.asked.len(), 2);
+fn the_interplay_says_how_often_the_curriculum_is_computed() {
+    // Until step 4 goal 0 moves, then goal 1.
+    let script = |goal: usize, steps: u64| -(if goal == 0 { steps.min(4) } else { steps.max(4) } as f64);
+    let mut class = teach("interplay = 5\nwindow = 2", 2, script);
+    let weights_after = |class: &mut Class, episodes: usize| {
+        class.cycles(episodes);
+        class.weights()
+    };
+    assert_eq!(weights_after(&mut class, 1), [0.5; 2], "one value so far");
+    assert_eq!(weights_after(&mut class, 4), [0.5; 2], "not due before episode 5");
+    // At episode 5 the window holds the values at 4 and 5 steps.
+    assert_eq!(weights_after(&mut class, 1), [0.0, 1.0]);
+    assert_eq!(weights_after(&mut class, 4), [0.0, 1.0]);
 }
 
 #[test]
-fn interplay_is_counted_in_episodes() {
-    let mut class = Class::new("teach", "interplay = 5", 4, swinging);
-    class.cycles(11);
-    // Episodes 0, 5 and 10.
-    assert_eq!(class.student.asked.len(), 3);
-    assert!(close(&class.weights(), &[0.2, 0.8, 0.0, 0.0]));
+fn states_that_are_held_leave_networks_that_stand_still_without_variance() {
+    for (states, moves) in [("reference", false), ("replay", true), ("initial", true)] {
+        let config = format!("states = \"{states}\"\nwindow = 4\nrenewal = 10");
+        let mut class = Class::on("FetchPush", entry("teach"), &config, 6, |goal, _| -(goal as f64)).unwrap();
+        // Pushing starts elsewhere in every episode, and every second goal's value depends on the state.
+        class.student.by_state = 1.0;
+        class.cycles(3);
+        for cycle in 0..40 {
+            class.cycles(1);
+            let still = class.weights() == [1.0 / 6.0; 6];
+            assert_eq!(still, !moves, "{states}, cycle {cycle}: {:?}", class.weights());
+        }
+    }
+}
+
+#[test]
+fn held_states_are_handed_over_when_the_successors_window_is_full() {
+    let mut class = Class::new("teach", "window = 3\nrenewal = 5\nreplay_states = 2", 4, swinging);
+    class.cycles(21);
+    // Evaluations at 1 to 20 steps. A: 1 to 8, B: 6 to 13 (its 5th is the 10th), C: 11 to 18, D: 16 on.
+    let states: Vec<usize> = class
+        .student
+        .asked
+        .iter()
+        .map(|question| class.student.replayed.iter().position(|drawn| *drawn == question.states).unwrap())
+        .collect();
+    let drawn_at_first = states[0];
+    let sets: Vec<usize> = states.iter().map(|set| set - drawn_at_first).collect();
+    let alone = |set: usize, times: usize| vec![set; times];
+    let both = |old: usize| [old, old + 1].repeat(3);
+    let expected = [alone(0, 5), both(0), alone(1, 2), both(1), alone(2, 2), both(2), alone(3, 2)].concat();
+    assert_eq!(sets, expected);
+    assert_eq!(class.student.asked[0].states.len(), 2);
+}
+
+#[test]
+fn with_initial_states_the_newest_value_is_that_of_the_start_at_hand() {
+    let mut class =
+        Class::on("FetchPush", entry("teach"), "states = \"initial\"", 4, |_, steps| steps as f64).unwrap();
+    class.student.by_state = 1.0;
+    for cycle in 0..3 {
+        for _ in 0..2 {
+            class.propose().unwrap();
+            let probe = held(&class).probe;
+            let newest = probe.window().last().unwrap()[0];
+            assert_eq!(newest, cycle as f64 + class.start.state.iter().sum::<f64>());
+            assert_eq!(probe.window().len(), cycle + 1, "one value per state of the networks");
+        }
+        class.learn();
+    }
+}
+
+#[test]
+fn the_control_goes_by_the_last_change_alone() {
+    // At 2 steps goal 0 has changed by 6 and then 2, goal 1 by 2 and then 6. Variances are 104/9 of both.
+    let script =
+        |goal: usize, steps: u64| [[0.0, -6.0, -8.0], [0.0, -2.0, -8.0]][goal][steps.min(2) as usize];
+    let weights_of = |signal: &str| {
+        let mut class = teach(&format!("signal = \"{signal}\"\nwindow = 3"), 2, script);
+        class.cycles(3);
+        class.weights()
+    };
+    assert!(close(&weights_of("variance"), &[0.5, 0.5]));
+    assert!(close(&weights_of("difference"), &[0.25, 0.75]));
+}
+
+#[test]
+fn values_beyond_any_return_are_as_good_as_others() {
+    // An untrained critic above 0: clipped to 0 all goals would stand still.
+    let mut class = teach("window = 2", 3, |goal, steps| 5.0 + (goal as u64 * steps) as f64);
+    class.cycles(2);
+    assert!(close(&class.weights(), &[0.0, 0.2, 0.8]));
+}
+
+#[test]
+fn a_choice_is_told_with_its_weight() {
+    let mut class = teach("window = 4", 4, swinging);
+    assert_eq!(class.teacher.choice(), None);
+    class.cycles(4);
+    let goal = class.propose_index();
+    let choice = class.teacher.choice().expect("a goal was chosen");
+    assert_eq!((choice.score, choice.rank), (class.weights()[goal], None));
 }
 
 #[test]
 fn argmax_takes_the_goal_that_moves_most() {
-    let mut class = Class::new("teach", "selection = \"argmax\"", 4, swinging);
+    let mut class = teach("selection = \"argmax\"", 4, swinging);
     class.cycles(2);
     assert_eq!(class.weights(), [0.0, 1.0, 0.0, 0.0]);
     assert!(class.cycles(20).iter().all(|&goal| goal == 1));
@@ -128,28 +245,101 @@ fn argmax_takes_the_goal_that_moves_most() {
 
 #[test]
 fn argmax_of_standstill_is_a_uniform_draw() {
-    let mut class = Class::new("teach", "selection = \"argmax\"", 4, |_, _| -50.0);
+    let mut class = teach("selection = \"argmax\"", 4, |_, _| -50.0);
     class.cycles(20);
     assert_eq!(class.weights(), [0.25; 4]);
 }
 
 #[test]
-fn a_state_that_contradicts_itself_or_its_config_is_refused() {
-    let load = |config: &str, evaluations: Vec<Vec<f64>>| {
-        let common = PoolState::new(Distribution::uniform(4));
-        // Episodes, whether an evaluation is due, and the window's capacity and content.
-        let bytes = snapshot::save("teach", 2, &(7u64, false, (3usize, evaluations), common));
-        Class::new("teach", config, 4, swinging).teacher.load(&bytes)
+fn a_state_that_contradicts_its_config_is_refused() {
+    let saved = |config: &str, cycles: usize| {
+        let mut class = teach(config, 4, swinging);
+        class.cycles(cycles);
+        class.teacher.save().unwrap()
     };
-    let refusal = |config: &str, evaluations| match load(config, evaluations) {
+    let refusal = |config: &str, bytes: &[u8]| match teach(config, 4, swinging).teacher.load(bytes) {
         Err(CurriculumError::State { reason }) => reason,
         other => panic!("{other:?}"),
     };
-    assert!(load("window = 3", vec![vec![-1.0; 4]; 3]).is_ok());
-    assert!(
-        refusal("window = 4", vec![vec![-1.0; 4]; 3])
-            .contains("3 evaluations in a window of 3; its config says 4")
-    );
-    assert!(refusal("window = 3", vec![vec![-1.0; 4]; 4]).contains("4 evaluations in a window of 3"));
-    assert!(refusal("window = 3", vec![vec![-1.0; 5]]).contains("written for 5 goals; the pool has 4"));
+    let three = saved("window = 3", 3);
+    assert!(teach("window = 3", 4, swinging).teacher.load(&three).is_ok());
+    assert!(refusal("window = 4", &three).contains("3 evaluations in a window of 3; its config says 4"));
+    let other_pool = PoolState::new(Distribution::uniform(5), 3);
+    let bytes = snapshot::save("teach", 3, &(7u64, false, other_pool));
+    assert!(refusal("window = 3", &bytes).contains("written for 5 goals; the pool has 4"));
+}
+
+/// A real student that cannot learn, on a task with random starts: whatever weighs goals then is noise.
+mod standstill {
+    use agents::{Agent, Mode, StudentConfig};
+    use curricula::{Lesson, Proposal, Setting};
+    use envs::{GoalEnv, Rows, draw_pool};
+
+    use super::*;
+
+    /// Goals with a weight of their own in the end, and the effective number of goals.
+    fn taught(states: &str, student: &str) -> f64 {
+        agents::prepare_thread();
+        let mut env = envs::make("FetchPush", &envs::Options::default()).unwrap();
+        let text = format!("width = 16\nbatch = 32\nactor_lr = 1e-30\ncritic_lr = 1e-30\n{student}");
+        let config: StudentConfig = toml::from_str(&text).unwrap();
+        let config = config.resolve(env.spec()).unwrap();
+        let mut student = agents::make(&config, env.spec(), 0).unwrap();
+        let pool = draw_pool(&mut *env, 50, &mut stream(0, Purpose::Pool)).unwrap();
+        let setting =
+            Setting { spec: env.spec().clone(), pool: std::sync::Arc::new(pool), seed: 0, student: config };
+        let entry = entry("teach");
+        let own = (entry.resolve)(format!("states = \"{states}\"").parse().unwrap()).unwrap();
+        let mut teacher = (entry.build)(&own, &setting).unwrap();
+        let purposes = [Purpose::Environment, Purpose::Exploration, Purpose::Replay, Purpose::Teacher];
+        let mut streams = purposes.map(|purpose| stream(0, purpose));
+        for _ in 0..15 {
+            for _ in 0..2 {
+                let [starts, exploration, replay, rng] = &mut streams;
+                env.reset(starts).unwrap();
+                let start = env.observation().clone();
+                let lesson = &mut Lesson { student: &mut *student, start: &start, env: &mut *env, rng };
+                let Proposal::Pool(goal) = teacher.propose(lesson).unwrap() else {
+                    panic!("not of the pool")
+                };
+                env.set_goal(setting.pool.row(goal)).unwrap();
+                let episode = play(&mut *env, &mut *student, exploration);
+                student.observe(&episode, &*env, replay).unwrap();
+            }
+            student.learn(&*env, &mut streams[2]).unwrap();
+        }
+        let numbers = teacher.statistics();
+        numbers.iter().find(|(name, _)| *name == "effective_goals").unwrap().1
+    }
+
+    fn play(
+        env: &mut dyn GoalEnv,
+        student: &mut dyn Agent,
+        exploration: &mut envs::rng::Rng,
+    ) -> agents::Episode {
+        let spec = env.spec().clone();
+        let [mut states, mut achieved, mut actions] = [spec.state, spec.goal, spec.action].map(Rows::new);
+        let mut action = vec![0.0; spec.action];
+        states.push(&env.observation().state);
+        achieved.push(&env.observation().achieved);
+        for _ in 0..spec.horizon {
+            student.act(env.observation(), env.goal(), Mode::Explore(exploration), &mut action).unwrap();
+            env.step(&action).unwrap();
+            states.push(&env.observation().state);
+            achieved.push(&env.observation().achieved);
+            actions.push(&action);
+        }
+        let goal = env.goal().to_vec();
+        agents::Episode { states, achieved, actions, goal, success: false }
+    }
+
+    #[test]
+    fn goals_are_chosen_by_noise_unless_states_and_normalisers_are_held() {
+        let held = "normalizer = { feed_episodes = 0 }";
+        assert!((taught("reference", held) - 50.0).abs() < 1e-9, "all goals alike");
+        for (states, student) in [("replay", held), ("initial", held), ("reference", "")] {
+            let effective = taught(states, student);
+            assert!(effective < 49.9, "{states}, {student}: {effective}");
+        }
+    }
 }
