@@ -121,7 +121,7 @@ fn measure(
     let mut rng = stream(args.seed, Purpose::FinalEvaluation);
     let mut played = |episodes| bar.inc(episodes);
     let tally =
-        tally(&mut envs, student.as_mut(), args.episodes, &mut rng, &mut played).map_err(|error| {
+        tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played).map_err(|error| {
             HarnessError::Damaged { path: subject.folder.clone(), reason: format!("broke down: {error}") }
         })?;
     Ok(Measured {

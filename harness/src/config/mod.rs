@@ -6,6 +6,7 @@
 
 pub mod layer;
 pub mod seeds;
+pub mod streams;
 pub mod strict;
 
 use agents::{Auto, Preset, StudentConfig};
@@ -17,6 +18,7 @@ use toml::{Table, Value};
 use crate::Registry;
 use crate::error::HarnessError;
 use layer::{Layer, merge, place_of};
+use streams::StreamSeeds;
 use strict::{FieldError, field_error};
 
 /// Everything that decides a run's bytes, the environment id and the seed apart.
@@ -31,6 +33,9 @@ pub struct RunConfig {
     pub physics: Physics,
     /// The pool of candidate goals.
     pub pool: Pool,
+    /// Seeds of single random streams.
+    #[serde(default)]
+    pub seed: StreamSeeds,
     /// The student's hyper-parameters, every `auto` replaced by its number.
     pub student: StudentConfig,
     /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`.
@@ -53,6 +58,21 @@ pub struct Evaluation {
     pub every: u64,
     /// Greedy episodes per evaluation.
     pub episodes: u64,
+    /// Where their goals come from.
+    #[serde(default)]
+    pub goals: EvaluationGoals,
+}
+
+/// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the goal space", which "consists
+/// of N goals".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EvaluationGoals {
+    /// Drawn by the environment at the reset: goals that no curriculum chose from.
+    #[default]
+    Environment,
+    /// Drawn evenly from the run's pool, also for methods that do not choose from it.
+    Pool,
 }
 
 /// `physics`: options of MuJoCo environments.
@@ -85,6 +105,7 @@ struct Written {
     evaluation: WrittenEvaluation,
     physics: Physics,
     pool: Pool,
+    seed: StreamSeeds,
     student: Table,
     curriculum: Table,
 }
@@ -96,20 +117,21 @@ struct WrittenBudget {
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default, expecting = "a table with the keys `every` and `episodes`")]
+#[serde(deny_unknown_fields, default, expecting = "a table with the keys `every`, `episodes` and `goals`")]
 struct WrittenEvaluation {
     every: Auto<u64>,
     episodes: u64,
+    goals: EvaluationGoals,
 }
 
 impl Default for WrittenEvaluation {
     fn default() -> Self {
-        Self { every: Auto::Auto, episodes: 20 }
+        Self { every: Auto::Auto, episodes: 20, goals: EvaluationGoals::default() }
     }
 }
 
 /// The names of the config's top-level tables.
-pub const SECTIONS: [&str; 6] = ["budget", "evaluation", "physics", "pool", "student", "curriculum"];
+pub const SECTIONS: [&str; 7] = ["budget", "evaluation", "physics", "pool", "seed", "student", "curriculum"];
 
 /// The paper's budget and evaluation interval per family (methods: 1M steps for robotics, 400k for mazes).
 fn family_defaults(family: Family) -> (u64, u64) {
@@ -153,9 +175,11 @@ fn try_resolve(
         evaluation: Evaluation {
             every: written.evaluation.every.value_or(|| every),
             episodes: written.evaluation.episodes,
+            goals: written.evaluation.goals,
         },
         physics: written.physics,
         pool: written.pool,
+        seed: written.seed,
         curriculum: read_curricula(written.curriculum, registry, curriculum)?,
         student,
     };

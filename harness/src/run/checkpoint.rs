@@ -19,7 +19,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 /// Name of the folder of the replay log in a run's folder.
 pub const REPLAY: &str = "replay";
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 2, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]

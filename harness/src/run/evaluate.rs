@@ -2,7 +2,8 @@
 
 use agents::{Critic, Network};
 use envs::rng::Rng;
-use envs::{GoalEnv, Rows};
+use envs::{GoalEnv, Goals, Rows};
+use rand::Rng as _;
 
 use super::train::RunError;
 
@@ -18,6 +19,8 @@ pub const LOCKSTEP: u64 = 20;
 pub struct Score {
     /// Share of episodes that were successful at their last step.
     pub success_rate: f64,
+    /// Share of episodes that were successful after at least one of their steps.
+    pub any_success_rate: f64,
     /// Mean over episodes of the sum of rewards.
     pub mean_return: f64,
 }
@@ -29,6 +32,8 @@ pub struct Tally {
     pub episodes: u64,
     /// Those that were successful at their last step.
     pub successes: u64,
+    /// Those that were successful after at least one of their steps.
+    pub any_successes: u64,
     /// Sum of all rewards.
     pub total_return: f64,
 }
@@ -37,7 +42,11 @@ impl Tally {
     /// The same per episode, of which there must be one.
     pub fn score(&self) -> Score {
         let episodes = self.episodes as f64;
-        Score { success_rate: self.successes as f64 / episodes, mean_return: self.total_return / episodes }
+        Score {
+            success_rate: self.successes as f64 / episodes,
+            any_success_rate: self.any_successes as f64 / episodes,
+            mean_return: self.total_return / episodes,
+        }
     }
 }
 
@@ -51,14 +60,15 @@ impl Tally {
 pub fn evaluate(
     envs: &mut [Box<dyn GoalEnv>],
     student: &mut dyn Critic,
+    pool: Option<&Goals>,
     episodes: u64,
     rng: &mut Rng,
 ) -> Result<Score, RunError> {
-    Ok(tally(envs, student, episodes, rng, &mut |_| {})?.score())
+    Ok(tally(envs, student, pool, episodes, rng, &mut |_| {})?.score())
 }
 
-/// Runs `episodes` greedy episodes with starts and goals from the environment's own distribution, drawn from `rng` alone, one
-/// after the other. As many episodes as there are instances in `envs` are played in lockstep; `played` then hears how many.
+/// Runs `episodes` greedy episodes with starts from the environment's own distribution and goals from there, too, or evenly from
+/// `pool` if there is one, all drawn from `rng` alone, one after the other. As many episodes as there are instances in `envs` are played in lockstep; `played` then hears how many.
 ///
 /// The number of instances changes neither starts nor goals; it changes actions by rounding alone, because a product of
 /// several rows may add up in another order than one of a single row.
@@ -67,10 +77,11 @@ pub fn evaluate(
 /// [`RunError`] if physics or student break down.
 ///
 /// # Panics
-/// If `envs` is empty.
+/// If `envs` is empty, or `pool` is.
 pub fn tally(
     envs: &mut [Box<dyn GoalEnv>],
     student: &mut dyn Critic,
+    pool: Option<&Goals>,
     episodes: u64,
     rng: &mut Rng,
     played: &mut dyn FnMut(u64),
@@ -80,42 +91,54 @@ pub fn tally(
     while tally.episodes < episodes {
         let group = (episodes - tally.episodes).min(envs.len() as u64);
         let playing = &mut envs[..group as usize];
-        tally.total_return += play(playing, student, rng)?;
-        for env in playing {
-            tally.successes += u64::from(env.success(&env.observation().achieved, env.goal()));
-        }
-        tally.episodes += group;
+        play(playing, student, pool, rng, &mut tally)?;
         played(group);
     }
     Ok(tally)
 }
 
-/// Plays one episode on each of `envs` in lockstep. Gives the sum of all rewards.
-fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic, rng: &mut Rng) -> Result<f64, RunError> {
+/// Plays one episode on each of `envs` in lockstep, and counts them.
+fn play(
+    envs: &mut [Box<dyn GoalEnv>],
+    student: &mut dyn Critic,
+    pool: Option<&Goals>,
+    rng: &mut Rng,
+    tally: &mut Tally,
+) -> Result<(), RunError> {
     let spec = envs[0].spec().clone();
     let (mut states, mut goals) = (Rows::new(spec.state), Rows::new(spec.goal));
     for env in &mut *envs {
         env.reset(rng)?;
+        if let Some(pool) = pool {
+            env.set_goal(pool.row(rng.random_range(0..pool.len())))?;
+        }
         goals.push(env.goal());
     }
-    let mut total_return = 0.0;
+    let (mut now, mut ever) = (vec![false; envs.len()], vec![false; envs.len()]);
     for _ in 0..spec.horizon {
         states.clear();
         envs.iter().for_each(|env| states.push(&env.observation().state));
         let actions = student.policy(&states, &goals, Network::Online)?;
-        for (env, action) in envs.iter_mut().zip(actions.iter()) {
+        for (index, (env, action)) in envs.iter_mut().zip(actions.iter()).enumerate() {
             env.step(action)?;
-            total_return += env.reward(&env.observation().achieved, env.goal());
+            let achieved = &env.observation().achieved;
+            tally.total_return += env.reward(achieved, env.goal());
+            now[index] = env.success(achieved, env.goal());
+            ever[index] |= now[index];
         }
     }
-    Ok(total_return)
+    let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
+    tally.successes += count(&now);
+    tally.any_successes += count(&ever);
+    tally.episodes += envs.len() as u64;
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use agents::{Agent, Mode, StudentConfig};
-    use envs::GoalEnv;
     use envs::rng::{Purpose, Rng, stream};
+    use envs::{GoalEnv, Goals};
 
     use super::{Score, evaluate};
 
@@ -131,20 +154,27 @@ mod tests {
 
     /// One episode after the other, one action at a time.
     fn one_by_one(env: &mut dyn GoalEnv, agent: &mut dyn Agent, episodes: u64, rng: &mut Rng) -> Score {
-        let (mut successes, mut total_return) = (0, 0.0);
+        let (mut successes, mut any_successes, mut total_return) = (0, 0, 0.0);
         let mut action = vec![0.0; env.spec().action];
         for _ in 0..episodes {
             env.reset(rng).expect("a stable start");
+            let mut ever = false;
             for _ in 0..env.spec().horizon {
                 let mode = Mode::Greedy;
                 agent.act(env.observation(), env.goal(), mode, &mut action).expect("finite actions");
                 env.step(&action).expect("a stable step");
                 total_return += env.reward(&env.observation().achieved, env.goal());
+                ever |= env.success(&env.observation().achieved, env.goal());
             }
+            any_successes += u32::from(ever);
             successes += u32::from(env.success(&env.observation().achieved, env.goal()));
         }
         let episodes = episodes as f64;
-        Score { success_rate: f64::from(successes) / episodes, mean_return: total_return / episodes }
+        Score {
+            success_rate: f64::from(successes) / episodes,
+            any_success_rate: f64::from(any_successes) / episodes,
+            mean_return: total_return / episodes,
+        }
     }
 
     /// Groups of every size, whole and not. The untrained student passes goals now and then, so that scores tell starts and
@@ -158,9 +188,28 @@ mod tests {
         let mut alone = |index| one_by_one(envs[0].as_mut(), agent.as_mut(), EPISODES, &mut draws(index));
         let (expected, other) = (alone(0), alone(1));
         assert!(expected.success_rate > 0.0 && expected != other, "{expected:?}, {other:?}");
+        assert!(expected.any_success_rate > expected.success_rate, "passing a goal is not staying there");
         for count in [1, 6, 20] {
-            let score = evaluate(&mut envs[..count], agent.as_mut(), EPISODES, &mut draws(0));
+            let score = evaluate(&mut envs[..count], agent.as_mut(), None, EPISODES, &mut draws(0));
             assert_eq!(score.expect("a healthy evaluation"), expected, "{count} instances");
         }
+    }
+
+    #[test]
+    fn goals_come_from_the_pool_where_there_is_one() {
+        let mut envs = instances("Point", 3);
+        let mut agent = student(envs[0].as_ref());
+        let mut score = |pool: &[[f64; 2]]| {
+            let mut goals = Goals::new(2);
+            pool.iter().for_each(|goal| goals.push(goal));
+            let mut rng = stream(2, Purpose::Evaluation(0));
+            let score = evaluate(&mut envs, agent.as_mut(), Some(&goals), 30, &mut rng);
+            let asked: Vec<Vec<f64>> = envs.iter().map(|env| env.goal().to_vec()).collect();
+            assert!(asked.iter().all(|goal| pool.iter().any(|one| one == &goal[..])), "{asked:?}");
+            score.expect("a healthy evaluation")
+        };
+        let one = score(&[[0.9, -0.9]]);
+        let both = score(&[[0.9, -0.9], [0.0, 0.1]]);
+        assert_ne!(one.mean_return, both.mean_return, "the second goal is asked for, too");
     }
 }

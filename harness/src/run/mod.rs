@@ -4,5 +4,6 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod folder;
 pub mod manifest;
+pub mod picks;
 pub mod policy;
 pub mod train;

@@ -6,15 +6,17 @@ use std::time::{Duration, Instant};
 
 use agents::{Agent, AgentError, Episode, Mode};
 use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
-use envs::rng::{Purpose, Rng, stream};
+use envs::rng::{Purpose, Rng};
 use envs::{EnvError, GoalEnv, Goals, Rows, draw_pool};
 use reports::record::{Record, RunKey, Teaching};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::evaluate::{LOCKSTEP, evaluate};
+use super::picks::{self, Ranks};
 use crate::Registry;
-use crate::config::RunConfig;
+use crate::config::streams::StreamSeeds;
+use crate::config::{EvaluationGoals, RunConfig};
 
 /// Why a run cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -110,12 +112,12 @@ struct Streams {
 }
 
 impl Streams {
-    fn new(seed: u64) -> Self {
+    fn new(seeds: &StreamSeeds, run: u64) -> Self {
         Self {
-            environment: stream(seed, Purpose::Environment),
-            exploration: stream(seed, Purpose::Exploration),
-            replay: stream(seed, Purpose::Replay),
-            teacher: stream(seed, Purpose::Teacher),
+            environment: seeds.stream(run, Purpose::Environment),
+            exploration: seeds.stream(run, Purpose::Exploration),
+            replay: seeds.stream(run, Purpose::Replay),
+            teacher: seeds.stream(run, Purpose::Teacher),
         }
     }
 }
@@ -127,6 +129,7 @@ pub struct TrainerState {
     evaluations: u64,
     streams: Streams,
     teaching: Teaching,
+    ranks: Ranks,
     #[serde(with = "serde_bytes")]
     student: Vec<u8>,
     #[serde(with = "serde_bytes")]
@@ -154,12 +157,16 @@ pub struct Trainer {
     evaluation_envs: Vec<Box<dyn GoalEnv>>,
     agent: Box<dyn Agent>,
     curriculum: Box<dyn Curriculum>,
+    /// The goals that the teacher chooses from, if it is of that kind.
     pool: Arc<Goals>,
+    /// The goals of evaluations, where they come from a pool.
+    evaluation_pool: Option<Arc<Goals>>,
     streams: Streams,
     step: u64,
     evaluations: u64,
     /// Training episodes since the last evaluation.
     teaching: Teaching,
+    ranks: Ranks,
 }
 
 impl Trainer {
@@ -181,32 +188,38 @@ impl Trainer {
         let spec = env.spec().clone();
 
         let method = registry.curriculum(&key.curriculum).expect(known);
-        let pool = if method.uses_pool {
-            draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut stream(key.seed, Purpose::Pool))?
+        let seeds = config.seed;
+        let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
+        // The same for all methods of a seed, whatever they use it for.
+        let drawn = if method.uses_pool || in_evaluations {
+            let mut rng = seeds.stream(key.seed, Purpose::Pool);
+            Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)
         } else {
-            Goals::new(spec.goal)
+            Arc::new(Goals::new(spec.goal))
         };
-        let pool = Arc::new(pool);
+        let pool = if method.uses_pool { Arc::clone(&drawn) } else { Arc::new(Goals::new(spec.goal)) };
         let setting = Setting {
             spec: spec.clone(),
             pool: Arc::clone(&pool),
-            seed: key.seed,
+            seed: seeds.of(key.seed, Purpose::Teacher),
             student: config.student.clone(),
         };
         let own =
             config.curriculum.get(method.id).and_then(toml::Value::as_table).cloned().unwrap_or_default();
         Ok(Self {
-            agent: agents::registry::make(&config.student, &spec, key.seed)?,
+            agent: agents::registry::make(&config.student, &spec, seeds.of(key.seed, Purpose::Weights))?,
             curriculum: (method.build)(&own, &setting)?,
-            streams: Streams::new(key.seed),
+            streams: Streams::new(&seeds, key.seed),
             env,
             evaluation_envs,
             pool,
+            evaluation_pool: in_evaluations.then_some(drawn),
             key,
             config,
             step: 0,
             evaluations: 0,
-            teaching: Teaching::default(),
+            teaching: picks::no_episodes(),
+            ranks: Ranks::default(),
         })
     }
 
@@ -237,6 +250,7 @@ impl Trainer {
         self.step = state.step;
         self.evaluations = state.evaluations;
         self.teaching = state.teaching.clone();
+        self.ranks = state.ranks;
         Ok(())
     }
 
@@ -246,6 +260,7 @@ impl Trainer {
             evaluations: self.evaluations,
             streams: self.streams.clone(),
             teaching: self.teaching.clone(),
+            ranks: self.ranks,
             // A log that cannot be written says nothing against the run: another attempt may have the space.
             student: self.agent.save(replay).map_err(|error| match error {
                 AgentError::Log { .. } => RunError::Recording(std::io::Error::other(error)),
@@ -317,6 +332,8 @@ impl Trainer {
             rng: &mut self.streams.teacher,
         })?;
         watcher.spent(Phase::Teacher, begun.elapsed());
+        let pick = if let Proposal::Pool(index) = proposal { Some(index) } else { None };
+        picks::note(&mut self.teaching, &mut self.ranks, pick, self.curriculum.choice());
         match proposal {
             Proposal::Native => {}
             Proposal::Pool(index) if index < self.pool.len() => env.set_goal(self.pool.row(index))?,
@@ -347,10 +364,13 @@ impl Trainer {
     fn evaluate(&mut self, watcher: &mut dyn Watcher) -> Result<(), RunError> {
         let begun = Instant::now();
         let episodes = self.config.evaluation.episodes;
-        let mut rng = stream(self.key.seed, Purpose::Evaluation(self.evaluations));
-        let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), episodes, &mut rng)?;
+        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Evaluation(self.evaluations));
+        let pool = self.evaluation_pool.as_deref();
+        let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
         watcher.spent(Phase::Evaluation, begun.elapsed());
-        let statistics = self.curriculum.statistics().into_iter();
+        let ranks = std::mem::take(&mut self.ranks);
+        let statistics =
+            self.curriculum.statistics().into_iter().chain(picks::statistics(&self.teaching, ranks));
         let record = Record {
             environment: self.key.environment.clone(),
             curriculum: self.key.curriculum.clone(),
@@ -360,6 +380,7 @@ impl Trainer {
             eval_index: self.evaluations,
             episodes,
             success_rate: score.success_rate,
+            any_success_rate: Some(score.any_success_rate),
             mean_return: score.mean_return,
             gradient_steps: self.agent.gradient_steps(),
             // A number that is not finite has no JSON form and becomes null: "not defined yet".
@@ -368,7 +389,7 @@ impl Trainer {
                 .collect::<Map<_, _>>(),
         };
         let weights = self.curriculum.weights().map(|weights| weights.iter().map(|&w| w as f32).collect());
-        let taught = std::mem::take(&mut self.teaching);
+        let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
         let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
         watcher.record(&record, &teaching)?;
         self.evaluations += 1;

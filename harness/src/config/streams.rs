@@ -1,0 +1,72 @@
+//! Seeds of single random streams, apart from the run's.
+
+use agents::Auto;
+use envs::rng::{Purpose, Rng, stream};
+use serde::{Deserialize, Serialize};
+
+/// `seed`: the seed of each kind of random draws; `auto` is the run's own.
+///
+/// With one of them held while the run's seed varies, the spread over seeds shows what the others contribute: the variance that
+/// comes of the pool of goals, say, apart from that of the initial weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StreamSeeds {
+    /// Initial weights of the student.
+    pub weights: Auto<u64>,
+    /// Start states and native goals of training episodes.
+    pub environment: Auto<u64>,
+    /// Exploration noise.
+    pub exploration: Auto<u64>,
+    /// Batches and hindsight goals.
+    pub replay: Auto<u64>,
+    /// What the teacher draws, and the initial weights of its own networks.
+    pub teacher: Auto<u64>,
+    /// The pool of candidate goals.
+    pub pool: Auto<u64>,
+    /// Start states and goals of evaluations.
+    pub evaluation: Auto<u64>,
+}
+
+impl StreamSeeds {
+    /// The seed of `purpose` in the run with seed `run`.
+    pub fn of(&self, run: u64, purpose: Purpose) -> u64 {
+        let given = match purpose {
+            Purpose::Weights => self.weights,
+            Purpose::Environment => self.environment,
+            Purpose::Exploration => self.exploration,
+            Purpose::Replay => self.replay,
+            Purpose::Teacher => self.teacher,
+            Purpose::Pool => self.pool,
+            Purpose::Evaluation(_) => self.evaluation,
+            // Told apart after all training, by a seed that belongs to no run.
+            Purpose::FinalEvaluation => Auto::Auto,
+        };
+        given.value_or(|| run)
+    }
+
+    /// The stream of `purpose` in the run with seed `run`.
+    pub fn stream(&self, run: u64, purpose: Purpose) -> Rng {
+        stream(self.of(run, purpose), purpose)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_seed_can_be_held_while_the_others_follow_the_run() {
+        let seeds = StreamSeeds { pool: Auto::Value(3), ..StreamSeeds::default() };
+        for purpose in [
+            Purpose::Weights,
+            Purpose::Environment,
+            Purpose::Exploration,
+            Purpose::Replay,
+            Purpose::Teacher,
+            Purpose::Evaluation(4),
+        ] {
+            assert_eq!(seeds.stream(7, purpose), stream(7, purpose), "{purpose:?}");
+        }
+        assert_eq!(seeds.stream(7, Purpose::Pool), stream(3, Purpose::Pool));
+    }
+}
