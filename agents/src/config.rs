@@ -164,6 +164,10 @@ pub(crate) fn at_least(field: &'static str, given: usize, least: usize) -> Resul
     accept(field, given >= least, || format!("{given} given, a whole number of at least {least} accepted"))
 }
 
+pub(crate) fn at_most(field: &'static str, given: u64, most: u64) -> Result<(), AgentError> {
+    accept(field, given <= most, || format!("{given} given, a whole number of at most {most} accepted"))
+}
+
 pub(crate) fn positive(field: &'static str, given: f64) -> Result<(), AgentError> {
     accept(field, given > 0.0 && given.is_finite(), || format!("{given} given, a positive number accepted"))
 }

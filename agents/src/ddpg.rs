@@ -7,8 +7,8 @@
 //! # Deviations and choices
 //! - Actor and critic gradients of one step are taken at the same parameters, then both are applied (Baselines).
 //! - Target networks follow once per cycle, not after every gradient step (Baselines; TEACH, Eq. 12).
-//! - Normalisers are fed nothing before the first episode and then take inputs as they are, where Baselines starts with
-//!   a pseudo-observation of 0.
+//! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
+//!   take inputs as they are until the first episode feeds them.
 //! - A fresh buffer learns from its first cycle on; there is no warm-up.
 
 mod infer;
