@@ -151,6 +151,9 @@ impl StudentConfig {
     }
 }
 
+/// Episodes that a setting can speak of, at most: no run has as many, and their steps can still be counted.
+pub(crate) const MOST_EPISODES: u64 = 1_000_000_000;
+
 /// Refuses `field` with `reason` unless `good`.
 pub(crate) fn accept(
     field: &'static str,
@@ -187,6 +190,7 @@ mod tests {
     use super::{Preset, StudentConfig};
     use crate::auto::Auto;
     use crate::noise::NoiseConfig;
+    use crate::normalizer::NormalizerConfig;
 
     fn read(text: &str) -> Result<StudentConfig, String> {
         toml::from_str(text).map_err(|error| error.to_string())
@@ -212,7 +216,13 @@ mod tests {
 
     #[test]
     fn toml_and_json_bring_back_what_was_written() {
-        let official = StudentConfig { gamma: Auto::Value(0.9), ..StudentConfig::preset(Preset::Official) };
+        let normalizer = NormalizerConfig {
+            pseudo_observations: 2,
+            feed_episodes: Auto::Value(30),
+            ..NormalizerConfig::default()
+        };
+        let official =
+            StudentConfig { gamma: Auto::Value(0.9), normalizer, ..StudentConfig::preset(Preset::Official) };
         assert_eq!(read(&toml::to_string(&official).unwrap()), Ok(official.clone()));
         let json = serde_json::to_string(&official).unwrap();
         assert_eq!(serde_json::from_str::<StudentConfig>(&json).unwrap(), official);

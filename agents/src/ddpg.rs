@@ -163,9 +163,12 @@ impl Agent for Ddpg {
 
     fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
         self.replay.push(episode)?;
+        // Drawn whether they are fed or not: which batches are drawn later does not hang on it.
         self.replay.sample(Source::Newest, self.config.her_k, env, rng, &mut self.fresh)?;
-        self.normalizers.state.update(&self.fresh.states);
-        self.normalizers.goal.update(&self.fresh.goals);
+        if self.config.normalizer.feeds(self.replay.stored() - 1) {
+            self.normalizers.state.update(&self.fresh.states);
+            self.normalizers.goal.update(&self.fresh.goals);
+        }
         Ok(())
     }
 

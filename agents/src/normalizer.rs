@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::config::{at_most, positive};
+use crate::auto::Auto;
+use crate::config::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
 
 /// How inputs are normalised: clip((clip(x, ±`clip_before`) − mean) / max(std, `std_floor`), ±`clip_after`).
@@ -18,11 +19,20 @@ pub struct NormalizerConfig {
     /// Zeros that count as seen before the first input, 0 to 1,000,000. 1 (Baselines, whose `Normalizer` starts with
     /// count 1, sum 0 and sum of squares 0); 0 for the moments of the inputs alone.
     pub pseudo_observations: u64,
+    /// How many episodes, from the first one on, feed the mean and the standard deviation, which are held from then on; at
+    /// most 1,000,000,000. Auto: all of them (Baselines); 0 never normalises (mean 0, standard deviation 1), but still clips.
+    pub feed_episodes: Auto<u64>,
 }
 
 impl Default for NormalizerConfig {
     fn default() -> Self {
-        Self { std_floor: 0.01, clip_before: 200.0, clip_after: 5.0, pseudo_observations: 1 }
+        Self {
+            std_floor: 0.01,
+            clip_before: 200.0,
+            clip_after: 5.0,
+            pseudo_observations: 1,
+            feed_episodes: Auto::Auto,
+        }
     }
 }
 
@@ -35,7 +45,16 @@ impl NormalizerConfig {
         positive("normalizer.std_floor", self.std_floor)?;
         positive("normalizer.clip_before", self.clip_before)?;
         positive("normalizer.clip_after", self.clip_after)?;
-        at_most("normalizer.pseudo_observations", self.pseudo_observations, MOST_PSEUDO_OBSERVATIONS)
+        at_most("normalizer.pseudo_observations", self.pseudo_observations, MOST_PSEUDO_OBSERVATIONS)?;
+        at_most("normalizer.feed_episodes", self.feed_episodes.value_or(|| 0), MOST_EPISODES)
+    }
+
+    /// Whether an episode feeds the normalisers that `before` episodes came before.
+    pub(crate) fn feeds(&self, before: u64) -> bool {
+        match self.feed_episodes {
+            Auto::Auto => true,
+            Auto::Value(episodes) => before < episodes,
+        }
     }
 }
 
@@ -172,6 +191,8 @@ fn mean_and_std(count: f64, sum: f64, sum_of_squares: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use crate::auto::Auto;
+
     use super::{Moments, Normalizer, NormalizerConfig, mean_and_std};
 
     fn normalized(normalizer: &Normalizer, row: &[f32]) -> Vec<f32> {
@@ -248,6 +269,17 @@ mod tests {
         assert_eq!(normalized(&loaded, &[5.0]), normalized(&before, &[5.0]));
         loaded.set_moments(of_inputs_alone(1).moments().clone()).unwrap();
         assert_eq!(normalized(&loaded, &[0.5]), [0.5]);
+    }
+
+    #[test]
+    fn the_first_episodes_feed_and_no_others() {
+        let feeds = |feed_episodes| {
+            let config = NormalizerConfig { feed_episodes, ..NormalizerConfig::default() };
+            [0, 1, 2, 3].map(|before| config.feeds(before))
+        };
+        assert_eq!(feeds(Auto::Auto), [true; 4]);
+        assert_eq!(feeds(Auto::Value(2)), [true, true, false, false]);
+        assert_eq!(feeds(Auto::Value(0)), [false; 4]);
     }
 
     #[test]

@@ -67,6 +67,35 @@ fn every_new_episode_feeds_the_normalisers_with_as_many_relabelled_draws_of_it_a
     }
 }
 
+/// Mean and deviation are those of the first episodes; the draws from the buffer are the same as without a limit.
+#[test]
+fn later_episodes_than_those_that_feed_leave_the_normalisers_as_they_are() {
+    let normalizer = |feed_episodes| NormalizerConfig { feed_episodes, ..NormalizerConfig::default() };
+    let (mut free, env, mut rng) = scene(&small());
+    let mut limited = [0, 2].map(|limit| {
+        let config = StudentConfig { normalizer: normalizer(Auto::Value(limit)), ..small() };
+        (limit, scene(&config).0, free.normalizers.clone())
+    });
+    for number in 1..=4 {
+        let before = rng.clone();
+        free.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+        for (limit, student, held) in &mut limited {
+            let mut same = before.clone();
+            student.observe(&episode(number), env.as_ref(), &mut same).unwrap();
+            assert_eq!(same, rng);
+            if u64::from(number) <= *limit {
+                held.clone_from(&free.normalizers);
+            }
+            assert_eq!(student.normalizers.state.moments(), held.state.moments(), "{limit}, {number}");
+            assert_eq!(student.normalizers.goal.moments(), held.goal.moments(), "{limit}, {number}");
+        }
+    }
+    let [(_, never, _), _] = &limited;
+    let mut seen = [0.0; 4];
+    never.normalizers.write(&[0.5, -9.0], &[1.5, 300.0], &mut seen);
+    assert_eq!(seen, [0.5, -5.0, 1.5, 5.0], "as they are, but clipped");
+}
+
 /// Parameters of the online and the target network.
 fn networks(trained: &Trained) -> [Vec<f32>; 2] {
     [Parameters::Online, Parameters::Target].map(|which| trained.network(which).numbers().unwrap())

@@ -214,6 +214,27 @@ fn normalisers_start_with_the_pseudo_observations_of_the_student() {
 }
 
 #[test]
+fn only_the_first_episodes_feed_the_normalisers_also_across_a_save() {
+    let limited =
+        |episodes| NormalizerConfig { feed_episodes: Auto::Value(episodes), ..NormalizerConfig::default() };
+    let fed = |episodes: usize| {
+        let mut ensemble = with_normalizer(NormalizerConfig::default());
+        (0..episodes).for_each(|_| ensemble.observe(&episode()).unwrap());
+        ensemble.normalizers.state.moments().clone()
+    };
+    for limit in [0, 1, 3] {
+        let mut ensemble = with_normalizer(limited(limit));
+        for episodes in 1..=5 {
+            ensemble.observe(&episode()).unwrap();
+            assert_eq!(*ensemble.normalizers.state.moments(), fed(episodes.min(limit as usize)));
+            let mut resumed = with_normalizer(limited(limit));
+            resumed.load(&ensemble.save().unwrap()).unwrap();
+            ensemble = resumed;
+        }
+    }
+}
+
+#[test]
 fn what_does_not_fit_is_refused() {
     let mut two = ensemble(2, 0.75, &mut stream(0, Purpose::Weights));
     let error = two.update(&Batch::new(&SPEC, BATCH)).unwrap_err().to_string();

@@ -140,6 +140,7 @@ fn every_range_is_checked_and_the_field_named() {
         ("normalizer.clip_before", with(|c| c.normalizer.clip_before = -1.0)),
         ("normalizer.clip_after", with(|c| c.normalizer.clip_after = f64::NAN)),
         ("normalizer.pseudo_observations", with(|c| c.normalizer.pseudo_observations = 1_000_001)),
+        ("normalizer.feed_episodes", with(|c| c.normalizer.feed_episodes = Auto::Value(1_000_000_001))),
         ("noise.std", noisy(gaussian(-0.1, 0.3))),
         ("noise.random_epsilon", noisy(gaussian(0.2, 1.5))),
         ("noise.theta", noisy(correlated(-1.0, 0.2, 1.0))),

@@ -40,7 +40,7 @@ fn presets_hold_the_published_values() {
         assert_eq!(config.noise, NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 });
         let normalizer = config.normalizer;
         assert_eq!((normalizer.std_floor, normalizer.clip_before, normalizer.clip_after), (0.01, 200.0, 5.0));
-        assert_eq!(normalizer.pseudo_observations, 1);
+        assert_eq!((normalizer.pseudo_observations, normalizer.feed_episodes), (1, Auto::Auto));
     }
     let run = Run::new(&StudentConfig { episodes_per_cycle: 7, ..small() }, 0);
     assert_eq!(run.agent.episodes_per_cycle(), 7);
