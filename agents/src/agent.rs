@@ -145,7 +145,7 @@ pub trait Agent: Critic + Send {
     /// Episodes between two calls of [`Agent::learn`].
     fn episodes_per_cycle(&self) -> usize;
 
-    /// One cycle's learning: its gradient steps, then the Polyak update. `env` gives the reward for relabelling.
+    /// One cycle's learning: its gradient steps and the Polyak updates. `env` gives the reward for relabelling.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if a loss or parameter is not finite, [`AgentError::EmptyReplay`] before the

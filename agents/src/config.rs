@@ -23,6 +23,17 @@ pub enum Preset {
     Official,
 }
 
+/// When the target networks follow the trained ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PolyakEvery {
+    /// After the gradient steps of a cycle (Baselines; TEACH, Eq. 12).
+    #[default]
+    Cycle,
+    /// After every gradient step (DDPG, Algorithm 1, with an α of 0.999).
+    Update,
+}
+
 /// All hyper-parameters of the student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -45,9 +56,10 @@ pub struct StudentConfig {
     pub actor_lr: f64,
     /// Adam's step size for the critic, positive. 1e-3 (TEACH 5.2).
     pub critic_lr: f64,
-    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online after every cycle.
-    /// 0.95 (TEACH, Eq. 12).
+    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online. 0.95 (TEACH, Eq. 12).
     pub polyak: f64,
+    /// When the target networks follow: once per `cycle` (Baselines; TEACH, Eq. 12) or after every `update` (DDPG).
+    pub polyak_every: PolyakEvery,
     /// Episodes per cycle, at least 1. 2 (Baselines).
     pub episodes_per_cycle: usize,
     /// Gradient steps per cycle, at least 1. 40 (Baselines).
@@ -77,6 +89,7 @@ impl Default for StudentConfig {
             actor_lr: 1e-3,
             critic_lr: 1e-3,
             polyak: 0.95,
+            polyak_every: PolyakEvery::default(),
             episodes_per_cycle: 2,
             updates_per_cycle: 40,
             her_k: 4,
@@ -187,7 +200,7 @@ pub(crate) fn fraction(field: &'static str, given: f64) -> Result<(), AgentError
 
 #[cfg(test)]
 mod tests {
-    use super::{Preset, StudentConfig};
+    use super::{PolyakEvery, Preset, StudentConfig};
     use crate::auto::Auto;
     use crate::noise::NoiseConfig;
     use crate::normalizer::NormalizerConfig;
@@ -209,6 +222,7 @@ mod tests {
     fn unknown_names_are_refused_with_the_known_ones() {
         assert!(read("momentum = 0.9").unwrap_err().contains("expected one of `agent`"));
         assert!(read("preset = 'best'").unwrap_err().contains("`harmonised`"));
+        assert!(read("polyak_every = 'step'").unwrap_err().contains("`cycle` or `update`"));
         assert!(read("noise = { kind = 'pink' }").unwrap_err().contains("`ornstein-uhlenbeck`"));
         assert!(read("noise = { kind = 'gaussian', sigma = 1.0 }").unwrap_err().contains("`random_epsilon`"));
         assert!(read("normalizer = { floor = 1.0 }").unwrap_err().contains("`std_floor`"));

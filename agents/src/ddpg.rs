@@ -6,7 +6,8 @@
 //!
 //! # Deviations and choices
 //! - Actor and critic gradients of one step are taken at the same parameters, then both are applied (Baselines).
-//! - Target networks follow once per cycle, not after every gradient step (Baselines; TEACH, Eq. 12).
+//! - Target networks follow once per cycle (Baselines; TEACH, Eq. 12), or after every gradient step as in DDPG's paper
+//!   (`polyak_every`).
 //! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
 //!   take inputs as they are until the first episode feeds them.
 //! - A fresh buffer learns from its first cycle on; there is no warm-up.
@@ -27,7 +28,7 @@ use envs::{GoalEnv, Observation, Rows, Spec};
 
 use crate::agent::{Agent, Critic, Episode, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
-use crate::config::StudentConfig;
+use crate::config::{PolyakEvery, StudentConfig};
 use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
@@ -182,8 +183,14 @@ impl Agent for Ddpg {
             self.replay.sample(Source::All, self.config.her_k, env, rng, &mut self.batch)?;
             self.sampling += begun.elapsed();
             self.learner.update(&self.batch, &self.normalizers)?;
+            if self.config.polyak_every == PolyakEvery::Update {
+                self.learner.follow(self.config.polyak)?;
+            }
         }
-        self.learner.end_cycle(self.config.polyak)
+        if self.config.polyak_every == PolyakEvery::Cycle {
+            self.learner.follow(self.config.polyak)?;
+        }
+        self.learner.check()
     }
 
     fn sampling_time(&self) -> Option<Duration> {

@@ -27,7 +27,7 @@ mod value;
 pub use agent::{Agent, Critic, Episode, Mode, Network};
 pub use auto::Auto;
 pub use batch::Batch;
-pub use config::{Preset, StudentConfig};
+pub use config::{PolyakEvery, Preset, StudentConfig};
 pub use device::Device;
 pub use ensemble::{Ensemble, EnsembleConfig};
 pub use error::AgentError;

@@ -7,7 +7,7 @@ use super::{Ddpg, state};
 use crate::agent::{Agent, Critic, Episode, Mode, Network, Parameters};
 use crate::auto::Auto;
 use crate::batch::Batch;
-use crate::config::{Preset, StudentConfig};
+use crate::config::{PolyakEvery, Preset, StudentConfig};
 use crate::device::far_away;
 use crate::error::AgentError;
 use crate::networks::Trained;
@@ -140,9 +140,27 @@ fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
         by_hand.replay.sample(Source::All, 2, env.as_ref(), &mut draws, &mut batch).unwrap();
         by_hand.learner.update(&batch, &by_hand.normalizers).unwrap();
     }
-    by_hand.learner.end_cycle(0.95).unwrap();
+    by_hand.learner.follow(0.95).unwrap();
     assert!(state::encode(&whole).unwrap() == state::encode(&by_hand).unwrap());
     assert_eq!(rng, draws);
+}
+
+/// The same draws and steps, but targets that move between them: each step of `apart`'s cycles of one step is one of
+/// `together`'s.
+#[test]
+fn targets_follow_every_update_if_asked_to() {
+    let polyak_every = PolyakEvery::Update;
+    let together = StudentConfig { polyak_every, ..small() };
+    let apart = StudentConfig { updates_per_cycle: 1, ..small() };
+    let taught = |config: &StudentConfig, cycles: usize| {
+        let (mut student, env, mut rng) = scene(config);
+        student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+        (0..cycles).for_each(|_| student.learn(env.as_ref(), &mut rng).unwrap());
+        (state::encode(&student).unwrap(), rng)
+    };
+    assert!(taught(&together, 2) == taught(&apart, 6));
+    assert!(taught(&together, 2) != taught(&small(), 2));
+    assert_eq!(taught(&together, 2).1, taught(&small(), 2).1, "as many draws");
 }
 
 #[test]
