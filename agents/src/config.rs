@@ -11,6 +11,7 @@ use crate::device::Device;
 use crate::error::AgentError;
 use crate::noise::NoiseConfig;
 use crate::normalizer::NormalizerConfig;
+use crate::replay::{HerStrategy, Hindsight};
 
 /// Where the values left at "auto" come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,6 +67,9 @@ pub struct StudentConfig {
     pub updates_per_cycle: usize,
     /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4 (HER).
     pub her_k: u32,
+    /// Which achieved goals of its episode a transition is relabelled with: one of the `future`, the `final` one or any of
+    /// the `episode`. `future` (Baselines; best in HER, section 4.5).
+    pub her_strategy: HerStrategy,
     /// Weight of the mean squared action in the actor's loss, 0 or more. 1.0 (Baselines).
     pub action_l2: f64,
     /// Exploration noise.
@@ -93,6 +97,7 @@ impl Default for StudentConfig {
             episodes_per_cycle: 2,
             updates_per_cycle: 40,
             her_k: 4,
+            her_strategy: HerStrategy::default(),
             action_l2: 1.0,
             noise: NoiseConfig::default(),
             replay_capacity: 1_000_000,
@@ -126,6 +131,11 @@ impl StudentConfig {
     /// Discount γ for the task `spec`.
     pub fn gamma(&self, spec: &Spec) -> f64 {
         self.gamma.value_or(|| 1.0 - 1.0 / spec.horizon as f64)
+    }
+
+    /// How transitions are relabelled.
+    pub fn hindsight(&self) -> Hindsight {
+        Hindsight { k: self.her_k, strategy: self.her_strategy }
     }
 
     /// This config with every "auto" replaced by its number for the task `spec`, all ranges checked.
@@ -204,6 +214,7 @@ mod tests {
     use crate::auto::Auto;
     use crate::noise::NoiseConfig;
     use crate::normalizer::NormalizerConfig;
+    use crate::replay::HerStrategy;
 
     fn read(text: &str) -> Result<StudentConfig, String> {
         toml::from_str(text).map_err(|error| error.to_string())
@@ -223,6 +234,7 @@ mod tests {
         assert!(read("momentum = 0.9").unwrap_err().contains("expected one of `agent`"));
         assert!(read("preset = 'best'").unwrap_err().contains("`harmonised`"));
         assert!(read("polyak_every = 'step'").unwrap_err().contains("`cycle` or `update`"));
+        assert!(read("her_strategy = 'random'").unwrap_err().contains("`future`, `final`, `episode`"));
         assert!(read("noise = { kind = 'pink' }").unwrap_err().contains("`ornstein-uhlenbeck`"));
         assert!(read("noise = { kind = 'gaussian', sigma = 1.0 }").unwrap_err().contains("`random_epsilon`"));
         assert!(read("normalizer = { floor = 1.0 }").unwrap_err().contains("`std_floor`"));

@@ -35,7 +35,7 @@ use crate::losses::Discount;
 use crate::networks::{Output, Shape};
 use crate::noise::Noise;
 use crate::normalizer::Normalizer;
-use crate::replay::{Log, Replay, Source};
+use crate::replay::{Hindsight, Log, Replay, Source};
 
 use infer::Inference;
 use update::Learner;
@@ -131,7 +131,7 @@ impl Critic for Ddpg {
     }
 
     fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
-        self.replay.sample(Source::All, 0, env, rng, batch)
+        self.replay.sample(Source::All, Hindsight::NONE, env, rng, batch)
     }
 
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError> {
@@ -165,7 +165,7 @@ impl Agent for Ddpg {
     fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
         self.replay.push(episode)?;
         // Drawn whether they are fed or not: which batches are drawn later does not hang on it.
-        self.replay.sample(Source::Newest, self.config.her_k, env, rng, &mut self.fresh)?;
+        self.replay.sample(Source::Newest, self.config.hindsight(), env, rng, &mut self.fresh)?;
         if self.config.normalizer.feeds(self.replay.stored() - 1) {
             self.normalizers.state.update(&self.fresh.states);
             self.normalizers.goal.update(&self.fresh.goals);
@@ -180,7 +180,7 @@ impl Agent for Ddpg {
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
         for _ in 0..self.config.updates_per_cycle {
             let begun = Instant::now();
-            self.replay.sample(Source::All, self.config.her_k, env, rng, &mut self.batch)?;
+            self.replay.sample(Source::All, self.config.hindsight(), env, rng, &mut self.batch)?;
             self.sampling += begun.elapsed();
             self.learner.update(&self.batch, &self.normalizers)?;
             if self.config.polyak_every == PolyakEvery::Update {

@@ -36,6 +36,6 @@ pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
 pub use products::Products;
 pub use registry::make;
-pub use replay::{Replay, Source};
+pub use replay::{HerStrategy, Hindsight, Replay, Source};
 pub use runtime::{prepare_thread, versions};
 pub use seal::Seal;

@@ -13,7 +13,7 @@ use crate::error::AgentError;
 use crate::networks::Trained;
 use crate::noise::{Noise, NoiseConfig};
 use crate::normalizer::{Normalizer, NormalizerConfig};
-use crate::replay::Source;
+use crate::replay::{HerStrategy, Hindsight, Source};
 
 /// A student of the toy task (S = G = A = 2, H = 20), the task, and a stream for replay.
 fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {
@@ -126,7 +126,13 @@ fn targets_follow_once_per_cycle_whatever_the_preset() {
 
 #[test]
 fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
-    let config = StudentConfig { her_k: 2, ..small() };
+    for strategy in [HerStrategy::Future, HerStrategy::Final, HerStrategy::Episode] {
+        check_batches(Hindsight { k: 2, strategy });
+    }
+}
+
+fn check_batches(hindsight: Hindsight) {
+    let config = StudentConfig { her_k: hindsight.k, her_strategy: hindsight.strategy, ..small() };
     let [(mut whole, env, mut rng), (mut by_hand, ..)] = [scene(&config), scene(&config)];
     for number in 1..=4 {
         let mut same = rng.clone();
@@ -137,7 +143,7 @@ fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
     whole.learn(env.as_ref(), &mut rng).unwrap();
     let mut batch = Batch::new(env.spec(), 16);
     for _ in 0..3 {
-        by_hand.replay.sample(Source::All, 2, env.as_ref(), &mut draws, &mut batch).unwrap();
+        by_hand.replay.sample(Source::All, hindsight, env.as_ref(), &mut draws, &mut batch).unwrap();
         by_hand.learner.update(&batch, &by_hand.normalizers).unwrap();
     }
     by_hand.learner.follow(0.95).unwrap();

@@ -34,7 +34,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/replay.rs",
         original: "batch.rewards[row] = env.reward(achieved, wanted) as f32;",
         faulty: "let reward = env.reward(achieved, wanted) as f32;\n            \
-                 batch.rewards[row] = if draw.future.is_some() { -reward } else { reward };",
+                 batch.rewards[row] = if draw.relabel.is_some() { -reward } else { reward };",
         shows: true,
     },
     Fault {
