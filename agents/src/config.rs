@@ -226,7 +226,8 @@ mod tests {
         assert_eq!(read("preset = 'official'"), Ok(StudentConfig::preset(Preset::Official)));
         let config = read("layers = 1\nnoise = { kind = 'ornstein-uhlenbeck', theta = 0.5 }").unwrap();
         assert_eq!(config.layers, Auto::Value(1));
-        assert_eq!(config.noise, NoiseConfig::OrnsteinUhlenbeck { theta: 0.5, sigma: 0.2, dt: 1.0 });
+        assert_eq!(config.noise, NoiseConfig::ornstein_uhlenbeck(0.5, 0.2, 1.0));
+        assert_eq!(read("noise = { kind = 'gaussian' }"), Ok(StudentConfig::default()));
     }
 
     #[test]

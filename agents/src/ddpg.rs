@@ -153,7 +153,7 @@ impl Agent for Ddpg {
         check_len("an action", self.spec.action, action.len())?;
         self.inference.act(&self.learner, &self.normalizers, &observation.state, goal, action)?;
         if let Mode::Explore(rng) = mode {
-            self.noise.apply(action, rng);
+            self.noise.apply(action, self.replay.stored(), rng);
         }
         Ok(())
     }

@@ -190,10 +190,7 @@ fn teachers_see_all_episodes_with_the_goals_that_were_asked_for() {
 
 #[test]
 fn exploration_adds_the_configured_noise_to_the_greedy_action() {
-    for noise in [
-        NoiseConfig::Gaussian { std: 0.3, random_epsilon: 0.5 },
-        NoiseConfig::OrnsteinUhlenbeck { theta: 0.2, sigma: 0.4, dt: 0.5 },
-    ] {
+    for noise in [NoiseConfig::gaussian(0.3, 0.5), NoiseConfig::ornstein_uhlenbeck(0.2, 0.4, 0.5)] {
         let (mut student, ..) = scene(&StudentConfig { noise, ..small() });
         let mut rng = stream(0, Purpose::Exploration);
         let (mut same, mut reference) = (rng.clone(), Noise::new(noise, 2));
@@ -201,9 +198,43 @@ fn exploration_adds_the_configured_noise_to_the_greedy_action() {
             let observation = Observation { state: vec![0.1 * f64::from(step), 0.5], achieved: vec![0.0; 2] };
             let (mut expected, mut action) = ([0.0; 2], [0.0; 2]);
             student.act(&observation, &[0.3, -0.3], Mode::Greedy, &mut expected).unwrap();
-            reference.apply(&mut expected, &mut same);
+            reference.apply(&mut expected, 0, &mut same);
             student.act(&observation, &[0.3, -0.3], Mode::Explore(&mut rng), &mut action).unwrap();
             assert_eq!(action, expected, "{noise:?}, step {step}");
+        }
+    }
+}
+
+/// The action that a student takes in state (0.1, 0.5) for goal (0.3, −0.3), greedily and exploring.
+fn actions(student: &mut Ddpg, rng: &mut Rng) -> [[f64; 2]; 2] {
+    let observation = Observation { state: vec![0.1, 0.5], achieved: vec![0.0; 2] };
+    [Mode::Greedy, Mode::Explore(rng)].map(|mode| {
+        let mut action = [0.0; 2];
+        student.act(&observation, &[0.3, -0.3], mode, &mut action).unwrap();
+        action
+    })
+}
+
+#[test]
+fn noise_is_annealed_by_the_episodes_that_came_in() {
+    let (final_scale, anneal_episodes) = (0.0, 3);
+    for noise in [
+        NoiseConfig::Gaussian { std: 0.3, random_epsilon: 0.5, final_scale, anneal_episodes },
+        NoiseConfig::OrnsteinUhlenbeck { theta: 0.2, sigma: 0.4, dt: 0.5, final_scale, anneal_episodes },
+    ] {
+        let (mut student, env, mut replay) = scene(&StudentConfig { noise, ..small() });
+        let (mut rng, mut reference) = (stream(0, Purpose::Exploration), Noise::new(noise, 2));
+        for before in 0..=5 {
+            student.begin_episode();
+            reference.begin_episode();
+            for _ in 0..10 {
+                let mut same = rng.clone();
+                let [mut greedy, exploring] = actions(&mut student, &mut rng);
+                assert_eq!(greedy == exploring, before >= 3, "{noise:?}, {before} episodes before");
+                reference.apply(&mut greedy, before, &mut same);
+                assert_eq!(exploring, greedy, "{noise:?}, {before} episodes before");
+            }
+            student.observe(&episode(1), env.as_ref(), &mut replay).unwrap();
         }
     }
 }

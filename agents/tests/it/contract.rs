@@ -115,8 +115,13 @@ fn every_range_is_checked_and_the_field_named() {
         change(&mut config);
         config
     };
-    let gaussian = |std, random_epsilon| NoiseConfig::Gaussian { std, random_epsilon };
-    let correlated = |theta, sigma, dt| NoiseConfig::OrnsteinUhlenbeck { theta, sigma, dt };
+    let (gaussian, correlated) = (NoiseConfig::gaussian, NoiseConfig::ornstein_uhlenbeck);
+    let annealed = |final_scale, anneal_episodes| NoiseConfig::Gaussian {
+        std: 0.2,
+        random_epsilon: 0.3,
+        final_scale,
+        anneal_episodes,
+    };
     let noisy = |noise| StudentConfig { noise, ..StudentConfig::default() };
     let wrong = [
         ("batch", with(|c| c.batch = Auto::Value(0))),
@@ -146,6 +151,9 @@ fn every_range_is_checked_and_the_field_named() {
         ("noise.theta", noisy(correlated(-1.0, 0.2, 1.0))),
         ("noise.sigma", noisy(correlated(0.15, f64::NAN, 1.0))),
         ("noise.dt", noisy(correlated(0.15, 0.2, 0.0))),
+        ("noise.final_scale", noisy(annealed(1.1, 5))),
+        ("noise.final_scale", noisy(annealed(f64::NAN, 5))),
+        ("noise.anneal_episodes", noisy(annealed(0.5, 1_000_000_001))),
     ];
     for (name, config) in wrong {
         match agents::make(&config, &FETCH, 0).map(|_| ()) {
@@ -170,7 +178,7 @@ fn the_ends_of_the_ranges_are_accepted() {
         updates_per_cycle: 1,
         her_k: 0,
         action_l2: 0.0,
-        noise: NoiseConfig::Gaussian { std: 0.0, random_epsilon: 1.0 },
+        noise: NoiseConfig::gaussian(0.0, 1.0),
         replay_capacity: FETCH.horizon,
         ..StudentConfig::default()
     };

@@ -37,7 +37,7 @@ fn presets_hold_the_published_values() {
         assert_eq!((config.width, config.replay_capacity), (256, 1_000_000));
         assert_eq!((config.actor_lr, config.critic_lr, config.polyak), (1e-3, 1e-3, 0.95));
         assert_eq!(config.action_l2, 1.0);
-        assert_eq!(config.noise, NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 });
+        assert_eq!(config.noise, NoiseConfig::gaussian(0.2, 0.3));
         let normalizer = config.normalizer;
         assert_eq!((normalizer.std_floor, normalizer.clip_before, normalizer.clip_after), (0.01, 200.0, 5.0));
         assert_eq!((normalizer.pseudo_observations, normalizer.feed_episodes), (1, Auto::Auto));
@@ -61,10 +61,7 @@ fn given_values_win_over_the_preset() {
 
 #[test]
 fn every_preset_trains_with_every_noise() {
-    let noises = [
-        NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 },
-        NoiseConfig::OrnsteinUhlenbeck { theta: 0.15, sigma: 0.2, dt: 1.0 },
-    ];
+    let noises = [NoiseConfig::gaussian(0.2, 0.3), NoiseConfig::ornstein_uhlenbeck(0.15, 0.2, 1.0)];
     for preset in [Preset::Harmonised, Preset::Official] {
         for noise in noises {
             let config = StudentConfig { noise, updates_per_cycle: 3, ..StudentConfig::preset(preset) };
@@ -77,7 +74,7 @@ fn every_preset_trains_with_every_noise() {
 /// A correlated process must start anew with every episode, or the first action depends on the episode before.
 #[test]
 fn exploration_starts_anew_with_the_episode() {
-    let noise = NoiseConfig::OrnsteinUhlenbeck { theta: 0.15, sigma: 0.2, dt: 1.0 };
+    let noise = NoiseConfig::ornstein_uhlenbeck(0.15, 0.2, 1.0);
     let mut run = Run::new(&StudentConfig { noise, ..small() }, 0);
     let first_action = |run: &mut Run| {
         let mut action = [0.0; 2];

@@ -73,7 +73,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "noise-zero",
         title: "no exploration noise",
         file: "agents/src/ddpg.rs",
-        original: "            self.noise.apply(action, rng);\n",
+        original: "            self.noise.apply(action, self.replay.stored(), rng);\n",
         faulty: "            let _ = rng;\n",
         shows: true,
     },
