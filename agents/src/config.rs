@@ -74,6 +74,9 @@ pub struct StudentConfig {
     pub action_l2: f64,
     /// Exploration noise.
     pub noise: NoiseConfig,
+    /// First training episodes whose actions are uniformly random, at most 1,000,000,000; no gradient step is taken before
+    /// they have come in, so that learning begins with the first cycle that ends after them. 0 (Baselines).
+    pub warmup_episodes: u64,
     /// Transitions kept for replay, at least one episode; rounded down to whole episodes. 1,000,000 (Baselines).
     pub replay_capacity: usize,
     /// Input normalisation.
@@ -100,6 +103,7 @@ impl Default for StudentConfig {
             her_strategy: HerStrategy::default(),
             action_l2: 1.0,
             noise: NoiseConfig::default(),
+            warmup_episodes: 0,
             replay_capacity: 1_000_000,
             normalizer: NormalizerConfig::default(),
         }
@@ -170,6 +174,7 @@ impl StudentConfig {
         not_negative("action_l2", self.action_l2)?;
         at_least("replay_capacity", self.replay_capacity, spec.horizon)?;
         self.noise.check()?;
+        at_most("warmup_episodes", self.warmup_episodes, MOST_EPISODES)?;
         self.normalizer.check()
     }
 }

@@ -10,7 +10,8 @@
 //!   (`polyak_every`).
 //! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
 //!   take inputs as they are until the first episode feeds them.
-//! - A fresh buffer learns from its first cycle on; there is no warm-up.
+//! - A fresh buffer learns from its first cycle on (Baselines), unless a warm-up of random actions is asked for
+//!   (`warmup_episodes`). The networks and their targets then stand still until it is over, the normalisers do not.
 
 mod infer;
 #[cfg(test)]
@@ -33,7 +34,7 @@ use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
 use crate::networks::{Output, Shape};
-use crate::noise::Noise;
+use crate::noise::{Noise, uniform};
 use crate::normalizer::Normalizer;
 use crate::replay::{Hindsight, Log, Replay, Source};
 
@@ -87,6 +88,11 @@ impl Ddpg {
             discount,
             config,
         })
+    }
+
+    /// Whether the episodes of the warm-up have yet to come in.
+    fn is_warming_up(&self) -> bool {
+        self.replay.stored() < self.config.warmup_episodes
     }
 }
 
@@ -152,8 +158,10 @@ impl Agent for Ddpg {
         check_len("a goal", self.spec.goal, goal.len())?;
         check_len("an action", self.spec.action, action.len())?;
         self.inference.act(&self.learner, &self.normalizers, &observation.state, goal, action)?;
-        if let Mode::Explore(rng) = mode {
-            self.noise.apply(action, self.replay.stored(), rng);
+        match mode {
+            Mode::Greedy => {}
+            Mode::Explore(rng) if self.is_warming_up() => uniform(action, rng),
+            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),
         }
         Ok(())
     }
@@ -178,6 +186,9 @@ impl Agent for Ddpg {
     }
 
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+        if self.is_warming_up() {
+            return Ok(());
+        }
         for _ in 0..self.config.updates_per_cycle {
             let begun = Instant::now();
             self.replay.sample(Source::All, self.config.hindsight(), env, rng, &mut self.batch)?;

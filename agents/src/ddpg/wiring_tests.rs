@@ -11,7 +11,7 @@ use crate::config::{PolyakEvery, Preset, StudentConfig};
 use crate::device::far_away;
 use crate::error::AgentError;
 use crate::networks::Trained;
-use crate::noise::{Noise, NoiseConfig};
+use crate::noise::{Noise, NoiseConfig, uniform};
 use crate::normalizer::{Normalizer, NormalizerConfig};
 use crate::replay::{HerStrategy, Hindsight, Source};
 
@@ -237,6 +237,41 @@ fn noise_is_annealed_by_the_episodes_that_came_in() {
             student.observe(&episode(1), env.as_ref(), &mut replay).unwrap();
         }
     }
+}
+
+/// A warm-up of 3 episodes ends within the second cycle of 2, which then learns as if there had been none.
+#[test]
+fn a_warm_up_acts_at_random_and_learns_nothing_until_it_is_over() {
+    let warm = StudentConfig { warmup_episodes: 3, ..small() };
+    let [(mut student, env, mut rng), (mut cold, _, mut same)] = [scene(&warm), scene(&small())];
+    let [mut exploration, mut draws, mut noise] = [(); 3].map(|()| stream(0, Purpose::Exploration));
+    student.learn(env.as_ref(), &mut rng).unwrap();
+    for before in 0..5 {
+        let [greedy, exploring] = actions(&mut student, &mut exploration);
+        if before < 3 {
+            let mut random = [0.0; 2];
+            uniform(&mut random, &mut draws);
+            assert_eq!((exploring, &exploration), (random, &draws), "{before}");
+            noise.clone_from(&draws);
+        } else {
+            let mut expected = greedy;
+            student.noise.clone().apply(&mut expected, before, &mut noise);
+            assert_eq!((exploring, &exploration), (expected, &noise), "{before}");
+        }
+        student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+        cold.observe(&episode(1), env.as_ref(), &mut same).unwrap();
+        if before == 1 {
+            let idle = state::encode(&student).unwrap();
+            student.learn(env.as_ref(), &mut rng).unwrap();
+            assert!(state::encode(&student).unwrap() == idle && student.gradient_steps() == 0);
+        } else if before == 3 {
+            student.learn(env.as_ref(), &mut rng).unwrap();
+            cold.learn(env.as_ref(), &mut same).unwrap();
+        }
+        assert_eq!(rng, same, "{before}");
+        assert!(state::encode(&student).unwrap() == state::encode(&cold).unwrap(), "{before}");
+    }
+    assert_eq!(student.gradient_steps(), 3);
 }
 
 /// A step size beyond single precision makes parameters infinite while the loss before the step was finite. If there is

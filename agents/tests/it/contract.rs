@@ -153,6 +153,7 @@ fn every_range_is_checked_and_the_field_named() {
         ("noise.dt", noisy(correlated(0.15, 0.2, 0.0))),
         ("noise.final_scale", noisy(annealed(1.1, 5))),
         ("noise.final_scale", noisy(annealed(f64::NAN, 5))),
+        ("warmup_episodes", with(|c| c.warmup_episodes = 1_000_000_001)),
         ("noise.anneal_episodes", noisy(annealed(0.5, 1_000_000_001))),
     ];
     for (name, config) in wrong {

@@ -73,8 +73,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "noise-zero",
         title: "no exploration noise",
         file: "agents/src/ddpg.rs",
-        original: "            self.noise.apply(action, self.replay.stored(), rng);\n",
-        faulty: "            let _ = rng;\n",
+        original: "            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),\n",
+        faulty: "            Mode::Explore(_) => {}\n",
         shows: true,
     },
     Fault {
