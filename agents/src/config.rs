@@ -17,10 +17,11 @@ use crate::replay::{HerStrategy, Hindsight};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2).
+    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2), 2 episodes per cycle.
     #[default]
     Harmonised,
-    /// What the baselines' official code ran: batch 256, three hidden layers (VDS, `vds_config`).
+    /// What the baselines' official code ran: batch 256, three hidden layers (VDS, `vds_config`), learning after every
+    /// single episode (`baselines.ve_run`).
     Official,
 }
 
@@ -41,7 +42,7 @@ pub enum PolyakEvery {
 pub struct StudentConfig {
     /// Which agent, by its id in [`crate::registry`].
     pub agent: String,
-    /// What "auto" means for `batch` and `layers`.
+    /// What "auto" means for `batch`, `layers` and `episodes_per_cycle`.
     pub preset: Preset,
     /// Where the networks live: `cpu` or `cuda`.
     pub device: Device,
@@ -61,8 +62,8 @@ pub struct StudentConfig {
     pub polyak: f64,
     /// When the target networks follow: once per `cycle` (Baselines; TEACH, Eq. 12) or after every `update` (DDPG).
     pub polyak_every: PolyakEvery,
-    /// Episodes per cycle, at least 1. 2 (Baselines).
-    pub episodes_per_cycle: usize,
+    /// Episodes per cycle, 1 to 1,000,000. Auto: 2 (Baselines), `official` 1 (VDS).
+    pub episodes_per_cycle: Auto<usize>,
     /// Gradient steps per cycle, at least 1. 40 (Baselines).
     pub updates_per_cycle: usize,
     /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4 (HER).
@@ -97,7 +98,7 @@ impl Default for StudentConfig {
             critic_lr: 1e-3,
             polyak: 0.95,
             polyak_every: PolyakEvery::default(),
-            episodes_per_cycle: 2,
+            episodes_per_cycle: Auto::Auto,
             updates_per_cycle: 40,
             her_k: 4,
             her_strategy: HerStrategy::default(),
@@ -137,12 +138,20 @@ impl StudentConfig {
         self.gamma.value_or(|| 1.0 - 1.0 / spec.horizon as f64)
     }
 
+    /// Episodes per cycle.
+    pub fn episodes_per_cycle(&self) -> usize {
+        self.episodes_per_cycle.value_or(|| match self.preset {
+            Preset::Harmonised => 2,
+            Preset::Official => 1,
+        })
+    }
+
     /// How transitions are relabelled.
     pub fn hindsight(&self) -> Hindsight {
         Hindsight { k: self.her_k, strategy: self.her_strategy }
     }
 
-    /// This config with every "auto" replaced by its number for the task `spec`, all ranges checked.
+    /// This config with every "auto" that stands for a number replaced by it for the task `spec`, all ranges checked.
     ///
     /// # Errors
     /// [`AgentError::Config`] naming the field and what it accepts.
@@ -151,6 +160,7 @@ impl StudentConfig {
             batch: Auto::Value(self.batch()),
             layers: Auto::Value(self.layers(spec)),
             gamma: Auto::Value(self.gamma(spec)),
+            episodes_per_cycle: Auto::Value(self.episodes_per_cycle()),
             ..self
         };
         resolved.check(spec)?;
@@ -169,7 +179,10 @@ impl StudentConfig {
         positive("actor_lr", self.actor_lr)?;
         positive("critic_lr", self.critic_lr)?;
         fraction("polyak", self.polyak)?;
-        at_least("episodes_per_cycle", self.episodes_per_cycle, 1)?;
+        let episodes = self.episodes_per_cycle();
+        accept("episodes_per_cycle", (1..=1_000_000).contains(&episodes), || {
+            format!("{episodes} given, 1 to 1000000 accepted")
+        })?;
         at_least("updates_per_cycle", self.updates_per_cycle, 1)?;
         not_negative("action_l2", self.action_l2)?;
         at_least("replay_capacity", self.replay_capacity, spec.horizon)?;

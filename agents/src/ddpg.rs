@@ -182,7 +182,7 @@ impl Agent for Ddpg {
     }
 
     fn episodes_per_cycle(&self) -> usize {
-        self.config.episodes_per_cycle
+        self.config.episodes_per_cycle()
     }
 
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
