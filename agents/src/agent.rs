@@ -115,7 +115,7 @@ pub struct Episode {
 pub enum Mode<'a> {
     /// The policy's own action.
     Greedy,
-    /// The policy's action with exploration noise from this stream.
+    /// The policy's action with exploration noise from this stream; a random one in a warm-up.
     Explore(&'a mut Rng),
 }
 
@@ -145,11 +145,12 @@ pub trait Agent: Critic + Send {
     /// Episodes between two calls of [`Agent::learn`].
     fn episodes_per_cycle(&self) -> usize;
 
-    /// One cycle's learning: its gradient steps, then the Polyak update. `env` gives the reward for relabelling.
+    /// One cycle's learning: its gradient steps and the Polyak updates. `env` gives the reward for relabelling. A student
+    /// that is still warming up learns nothing, and its gradient steps stay.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if a loss or parameter is not finite, [`AgentError::EmptyReplay`] before the
-    /// first episode.
+    /// first episode, unless it is warming up.
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError>;
 
     /// How much of the time spent in [`Agent::learn`] so far went into drawing batches; `None` from a student that does

@@ -11,16 +11,29 @@ use crate::device::Device;
 use crate::error::AgentError;
 use crate::noise::NoiseConfig;
 use crate::normalizer::NormalizerConfig;
+use crate::replay::{HerStrategy, Hindsight};
 
 /// Where the values left at "auto" come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2).
+    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2), 2 episodes per cycle.
     #[default]
     Harmonised,
-    /// What the baselines' official code ran: batch 256, three hidden layers (VDS, `vds_config`).
+    /// What the baselines' official code ran: batch 256, three hidden layers (VDS, `vds_config`), learning after every
+    /// single episode (`baselines.ve_run`).
     Official,
+}
+
+/// When the target networks follow the trained ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PolyakEvery {
+    /// After the gradient steps of a cycle (Baselines; TEACH, Eq. 12).
+    #[default]
+    Cycle,
+    /// After every gradient step (DDPG, Algorithm 1, with an α of 0.999).
+    Update,
 }
 
 /// All hyper-parameters of the student.
@@ -29,7 +42,7 @@ pub enum Preset {
 pub struct StudentConfig {
     /// Which agent, by its id in [`crate::registry`].
     pub agent: String,
-    /// What "auto" means for `batch` and `layers`.
+    /// What "auto" means for `batch`, `layers` and `episodes_per_cycle`.
     pub preset: Preset,
     /// Where the networks live: `cpu` or `cuda`.
     pub device: Device,
@@ -45,19 +58,26 @@ pub struct StudentConfig {
     pub actor_lr: f64,
     /// Adam's step size for the critic, positive. 1e-3 (TEACH 5.2).
     pub critic_lr: f64,
-    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online after every cycle.
-    /// 0.95 (TEACH, Eq. 12).
+    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online. 0.95 (TEACH, Eq. 12).
     pub polyak: f64,
-    /// Episodes per cycle, at least 1. 2 (Baselines).
-    pub episodes_per_cycle: usize,
+    /// When the target networks follow: once per `cycle` (Baselines; TEACH, Eq. 12) or after every `update` (DDPG).
+    pub polyak_every: PolyakEvery,
+    /// Episodes per cycle, 1 to 1,000,000. Auto: 2 (Baselines), `official` 1 (VDS).
+    pub episodes_per_cycle: Auto<usize>,
     /// Gradient steps per cycle, at least 1. 40 (Baselines).
     pub updates_per_cycle: usize,
     /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4 (HER).
     pub her_k: u32,
+    /// Which achieved goals of its episode a transition is relabelled with: one of the `future`, the `final` one or any of
+    /// the `episode`. `future` (Baselines; best in HER, section 4.5).
+    pub her_strategy: HerStrategy,
     /// Weight of the mean squared action in the actor's loss, 0 or more. 1.0 (Baselines).
     pub action_l2: f64,
     /// Exploration noise.
     pub noise: NoiseConfig,
+    /// First training episodes whose actions are uniformly random, at most 1,000,000,000; no gradient step is taken before
+    /// they have come in, so that learning begins with the first cycle that ends after them. 0 (Baselines).
+    pub warmup_episodes: u64,
     /// Transitions kept for replay, at least one episode; rounded down to whole episodes. 1,000,000 (Baselines).
     pub replay_capacity: usize,
     /// Input normalisation.
@@ -77,11 +97,14 @@ impl Default for StudentConfig {
             actor_lr: 1e-3,
             critic_lr: 1e-3,
             polyak: 0.95,
-            episodes_per_cycle: 2,
+            polyak_every: PolyakEvery::default(),
+            episodes_per_cycle: Auto::Auto,
             updates_per_cycle: 40,
             her_k: 4,
+            her_strategy: HerStrategy::default(),
             action_l2: 1.0,
             noise: NoiseConfig::default(),
+            warmup_episodes: 0,
             replay_capacity: 1_000_000,
             normalizer: NormalizerConfig::default(),
         }
@@ -115,7 +138,20 @@ impl StudentConfig {
         self.gamma.value_or(|| 1.0 - 1.0 / spec.horizon as f64)
     }
 
-    /// This config with every "auto" replaced by its number for the task `spec`, all ranges checked.
+    /// Episodes per cycle.
+    pub fn episodes_per_cycle(&self) -> usize {
+        self.episodes_per_cycle.value_or(|| match self.preset {
+            Preset::Harmonised => 2,
+            Preset::Official => 1,
+        })
+    }
+
+    /// How transitions are relabelled.
+    pub fn hindsight(&self) -> Hindsight {
+        Hindsight { k: self.her_k, strategy: self.her_strategy }
+    }
+
+    /// This config with every "auto" that stands for a number replaced by it for the task `spec`, all ranges checked.
     ///
     /// # Errors
     /// [`AgentError::Config`] naming the field and what it accepts.
@@ -124,6 +160,7 @@ impl StudentConfig {
             batch: Auto::Value(self.batch()),
             layers: Auto::Value(self.layers(spec)),
             gamma: Auto::Value(self.gamma(spec)),
+            episodes_per_cycle: Auto::Value(self.episodes_per_cycle()),
             ..self
         };
         resolved.check(spec)?;
@@ -142,14 +179,21 @@ impl StudentConfig {
         positive("actor_lr", self.actor_lr)?;
         positive("critic_lr", self.critic_lr)?;
         fraction("polyak", self.polyak)?;
-        at_least("episodes_per_cycle", self.episodes_per_cycle, 1)?;
+        let episodes = self.episodes_per_cycle();
+        accept("episodes_per_cycle", (1..=1_000_000).contains(&episodes), || {
+            format!("{episodes} given, 1 to 1000000 accepted")
+        })?;
         at_least("updates_per_cycle", self.updates_per_cycle, 1)?;
         not_negative("action_l2", self.action_l2)?;
         at_least("replay_capacity", self.replay_capacity, spec.horizon)?;
         self.noise.check()?;
+        at_most("warmup_episodes", self.warmup_episodes, MOST_EPISODES)?;
         self.normalizer.check()
     }
 }
+
+/// Episodes that a setting can speak of, at most: no run has as many, and their steps can still be counted.
+pub(crate) const MOST_EPISODES: u64 = 1_000_000_000;
 
 /// Refuses `field` with `reason` unless `good`.
 pub(crate) fn accept(
@@ -162,6 +206,10 @@ pub(crate) fn accept(
 
 pub(crate) fn at_least(field: &'static str, given: usize, least: usize) -> Result<(), AgentError> {
     accept(field, given >= least, || format!("{given} given, a whole number of at least {least} accepted"))
+}
+
+pub(crate) fn at_most(field: &'static str, given: u64, most: u64) -> Result<(), AgentError> {
+    accept(field, given <= most, || format!("{given} given, a whole number of at most {most} accepted"))
 }
 
 pub(crate) fn positive(field: &'static str, given: f64) -> Result<(), AgentError> {
@@ -180,9 +228,11 @@ pub(crate) fn fraction(field: &'static str, given: f64) -> Result<(), AgentError
 
 #[cfg(test)]
 mod tests {
-    use super::{Preset, StudentConfig};
+    use super::{PolyakEvery, Preset, StudentConfig};
     use crate::auto::Auto;
     use crate::noise::NoiseConfig;
+    use crate::normalizer::NormalizerConfig;
+    use crate::replay::HerStrategy;
 
     fn read(text: &str) -> Result<StudentConfig, String> {
         toml::from_str(text).map_err(|error| error.to_string())
@@ -194,13 +244,16 @@ mod tests {
         assert_eq!(read("preset = 'official'"), Ok(StudentConfig::preset(Preset::Official)));
         let config = read("layers = 1\nnoise = { kind = 'ornstein-uhlenbeck', theta = 0.5 }").unwrap();
         assert_eq!(config.layers, Auto::Value(1));
-        assert_eq!(config.noise, NoiseConfig::OrnsteinUhlenbeck { theta: 0.5, sigma: 0.2, dt: 1.0 });
+        assert_eq!(config.noise, NoiseConfig::ornstein_uhlenbeck(0.5, 0.2, 1.0));
+        assert_eq!(read("noise = { kind = 'gaussian' }"), Ok(StudentConfig::default()));
     }
 
     #[test]
     fn unknown_names_are_refused_with_the_known_ones() {
         assert!(read("momentum = 0.9").unwrap_err().contains("expected one of `agent`"));
         assert!(read("preset = 'best'").unwrap_err().contains("`harmonised`"));
+        assert!(read("polyak_every = 'step'").unwrap_err().contains("`cycle` or `update`"));
+        assert!(read("her_strategy = 'random'").unwrap_err().contains("`future`, `final`, `episode`"));
         assert!(read("noise = { kind = 'pink' }").unwrap_err().contains("`ornstein-uhlenbeck`"));
         assert!(read("noise = { kind = 'gaussian', sigma = 1.0 }").unwrap_err().contains("`random_epsilon`"));
         assert!(read("normalizer = { floor = 1.0 }").unwrap_err().contains("`std_floor`"));
@@ -208,7 +261,13 @@ mod tests {
 
     #[test]
     fn toml_and_json_bring_back_what_was_written() {
-        let official = StudentConfig { gamma: Auto::Value(0.9), ..StudentConfig::preset(Preset::Official) };
+        let normalizer = NormalizerConfig {
+            pseudo_observations: 2,
+            feed_episodes: Auto::Value(30),
+            ..NormalizerConfig::default()
+        };
+        let official =
+            StudentConfig { gamma: Auto::Value(0.9), normalizer, ..StudentConfig::preset(Preset::Official) };
         assert_eq!(read(&toml::to_string(&official).unwrap()), Ok(official.clone()));
         let json = serde_json::to_string(&official).unwrap();
         assert_eq!(serde_json::from_str::<StudentConfig>(&json).unwrap(), official);

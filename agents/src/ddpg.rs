@@ -6,10 +6,12 @@
 //!
 //! # Deviations and choices
 //! - Actor and critic gradients of one step are taken at the same parameters, then both are applied (Baselines).
-//! - Target networks follow once per cycle, not after every gradient step (Baselines; TEACH, Eq. 12).
-//! - Normalisers are fed nothing before the first episode and then take inputs as they are, where Baselines starts with
-//!   a pseudo-observation of 0.
-//! - A fresh buffer learns from its first cycle on; there is no warm-up.
+//! - Target networks follow once per cycle (Baselines; TEACH, Eq. 12), or after every gradient step as in DDPG's paper
+//!   (`polyak_every`).
+//! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
+//!   take inputs as they are until the first episode feeds them.
+//! - A fresh buffer learns from its first cycle on (Baselines), unless a warm-up of random actions is asked for
+//!   (`warmup_episodes`). The networks and their targets then stand still until it is over, the normalisers do not.
 
 mod infer;
 #[cfg(test)]
@@ -27,14 +29,14 @@ use envs::{GoalEnv, Observation, Rows, Spec};
 
 use crate::agent::{Agent, Critic, Episode, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
-use crate::config::StudentConfig;
+use crate::config::{PolyakEvery, StudentConfig};
 use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
 use crate::networks::{Output, Shape};
-use crate::noise::Noise;
+use crate::noise::{Noise, uniform};
 use crate::normalizer::Normalizer;
-use crate::replay::{Log, Replay, Source};
+use crate::replay::{Hindsight, Log, Replay, Source};
 
 use infer::Inference;
 use update::Learner;
@@ -87,6 +89,11 @@ impl Ddpg {
             config,
         })
     }
+
+    /// Whether the episodes of the warm-up have yet to come in.
+    fn is_warming_up(&self) -> bool {
+        self.replay.stored() < self.config.warmup_episodes
+    }
 }
 
 impl Critic for Ddpg {
@@ -130,7 +137,7 @@ impl Critic for Ddpg {
     }
 
     fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
-        self.replay.sample(Source::All, 0, env, rng, batch)
+        self.replay.sample(Source::All, Hindsight::NONE, env, rng, batch)
     }
 
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError> {
@@ -151,8 +158,10 @@ impl Agent for Ddpg {
         check_len("a goal", self.spec.goal, goal.len())?;
         check_len("an action", self.spec.action, action.len())?;
         self.inference.act(&self.learner, &self.normalizers, &observation.state, goal, action)?;
-        if let Mode::Explore(rng) = mode {
-            self.noise.apply(action, rng);
+        match mode {
+            Mode::Greedy => {}
+            Mode::Explore(rng) if self.is_warming_up() => uniform(action, rng),
+            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),
         }
         Ok(())
     }
@@ -163,24 +172,36 @@ impl Agent for Ddpg {
 
     fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
         self.replay.push(episode)?;
-        self.replay.sample(Source::Newest, self.config.her_k, env, rng, &mut self.fresh)?;
-        self.normalizers.state.update(&self.fresh.states);
-        self.normalizers.goal.update(&self.fresh.goals);
+        // Drawn whether they are fed or not: which batches are drawn later does not hang on it.
+        self.replay.sample(Source::Newest, self.config.hindsight(), env, rng, &mut self.fresh)?;
+        if self.config.normalizer.feeds(self.replay.stored() - 1) {
+            self.normalizers.state.update(&self.fresh.states);
+            self.normalizers.goal.update(&self.fresh.goals);
+        }
         Ok(())
     }
 
     fn episodes_per_cycle(&self) -> usize {
-        self.config.episodes_per_cycle
+        self.config.episodes_per_cycle()
     }
 
     fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+        if self.is_warming_up() {
+            return Ok(());
+        }
         for _ in 0..self.config.updates_per_cycle {
             let begun = Instant::now();
-            self.replay.sample(Source::All, self.config.her_k, env, rng, &mut self.batch)?;
+            self.replay.sample(Source::All, self.config.hindsight(), env, rng, &mut self.batch)?;
             self.sampling += begun.elapsed();
             self.learner.update(&self.batch, &self.normalizers)?;
+            if self.config.polyak_every == PolyakEvery::Update {
+                self.learner.follow(self.config.polyak)?;
+            }
         }
-        self.learner.end_cycle(self.config.polyak)
+        if self.config.polyak_every == PolyakEvery::Cycle {
+            self.learner.follow(self.config.polyak)?;
+        }
+        self.learner.check()
     }
 
     fn sampling_time(&self) -> Option<Duration> {

@@ -14,7 +14,7 @@ use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
 use crate::networks::{Output, Passes, SavedStack, Shape, read};
-use crate::normalizer::{Moments, Normalizer};
+use crate::normalizer::{Moments, Normalizer, NormalizerConfig};
 use crate::value::ValueLearner;
 
 /// Rows that go through the networks at once when values are asked for.
@@ -48,6 +48,10 @@ pub struct Ensemble {
     inputs: TransitionInputs,
     query: Query,
     steps: u64,
+    /// What the student says about its normalisers, these here included.
+    normalizer: NormalizerConfig,
+    /// Episodes that were offered to the normalisers.
+    episodes: u64,
 }
 
 /// Buffers for asking all members about the same states, goals and actions.
@@ -65,6 +69,7 @@ struct Saved<'a> {
     state: Cow<'a, Moments>,
     goal: Cow<'a, Moments>,
     steps: u64,
+    episodes: u64,
 }
 
 impl Ensemble {
@@ -100,6 +105,8 @@ impl Ensemble {
             inputs: TransitionInputs::new(dims, members, batch, device)?,
             query: Query::new(shape, members, device)?,
             steps: 0,
+            normalizer: student.normalizer,
+            episodes: 0,
         })
     }
 
@@ -118,7 +125,8 @@ impl Ensemble {
         self.steps
     }
 
-    /// Feeds the normalisers with the states and the goal of every transition of `episode`.
+    /// Feeds the normalisers with the states and the goal of every transition of `episode`, if it is one of those that feed
+    /// the student's ([`NormalizerConfig::feed_episodes`]).
     ///
     /// # Errors
     /// [`AgentError::Shape`] if the episode is of another task.
@@ -126,6 +134,10 @@ impl Ensemble {
         check_len("a state", self.dims.state, episode.states.width())?;
         check_len("a goal", self.dims.goal, episode.goal.len())?;
         check_len("an episode's states", episode.actions.len() + 1, episode.states.len())?;
+        self.episodes += 1;
+        if !self.normalizer.feeds(self.episodes - 1) {
+            return Ok(());
+        }
         let narrow = |numbers: &[f64]| numbers.iter().map(|&x| x as f32).collect::<Vec<f32>>();
         let steps = episode.actions.len();
         let states = &episode.states.as_slice()[..steps * self.dims.state];
@@ -241,6 +253,7 @@ impl Ensemble {
             state: Cow::Borrowed(self.normalizers.state.moments()),
             goal: Cow::Borrowed(self.normalizers.goal.moments()),
             steps: self.steps,
+            episodes: self.episodes,
         };
         postcard::to_stdvec(&saved).map_err(|error| AgentError::State { reason: error.to_string() })
     }
@@ -257,6 +270,7 @@ impl Ensemble {
         self.normalizers.state.set_moments(saved.state.into_owned())?;
         self.normalizers.goal.set_moments(saved.goal.into_owned())?;
         self.steps = saved.steps;
+        self.episodes = saved.episodes;
         Ok(())
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::config::positive;
+use crate::auto::Auto;
+use crate::config::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
 
 /// How inputs are normalised: clip((clip(x, ±`clip_before`) − mean) / max(std, `std_floor`), ±`clip_after`).
@@ -15,24 +16,52 @@ pub struct NormalizerConfig {
     pub clip_before: f64,
     /// Bound on normalised inputs, positive. 5 (Baselines).
     pub clip_after: f64,
+    /// Zeros that count as seen before the first input, 0 to 1,000,000. 1 (Baselines, whose `Normalizer` starts with
+    /// count 1, sum 0 and sum of squares 0); 0 for the moments of the inputs alone.
+    pub pseudo_observations: u64,
+    /// How many episodes, from the first one on, feed the mean and the standard deviation, which are held from then on; at
+    /// most 1,000,000,000. Auto: all of them (Baselines); 0 never normalises (mean 0, standard deviation 1), but still clips.
+    pub feed_episodes: Auto<u64>,
 }
 
 impl Default for NormalizerConfig {
     fn default() -> Self {
-        Self { std_floor: 0.01, clip_before: 200.0, clip_after: 5.0 }
+        Self {
+            std_floor: 0.01,
+            clip_before: 200.0,
+            clip_after: 5.0,
+            pseudo_observations: 1,
+            feed_episodes: Auto::Auto,
+        }
     }
 }
+
+/// Pseudo-observations, at most: a million transitions fill the default replay buffer.
+const MOST_PSEUDO_OBSERVATIONS: u64 = 1_000_000;
 
 impl NormalizerConfig {
     /// Checks the ranges.
     pub(crate) fn check(&self) -> Result<(), AgentError> {
         positive("normalizer.std_floor", self.std_floor)?;
         positive("normalizer.clip_before", self.clip_before)?;
-        positive("normalizer.clip_after", self.clip_after)
+        positive("normalizer.clip_after", self.clip_after)?;
+        at_most("normalizer.pseudo_observations", self.pseudo_observations, MOST_PSEUDO_OBSERVATIONS)?;
+        at_most("normalizer.feed_episodes", self.feed_episodes.value_or(|| 0), MOST_EPISODES)
+    }
+
+    /// Whether an episode feeds the normalisers that `before` episodes came before.
+    pub(crate) fn feeds(&self, before: u64) -> bool {
+        match self.feed_episodes {
+            Auto::Auto => true,
+            Auto::Value(episodes) => before < episodes,
+        }
     }
 }
 
-/// What a normaliser has seen: all that must be saved of it.
+/// What a normaliser has seen, pseudo-observations among it: all that must be saved of it.
+///
+/// Moments that were saved without pseudo-observations stay without: the count says for itself what the sums are divided
+/// by.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,
@@ -40,9 +69,22 @@ pub struct Moments {
     sum_of_squares: Vec<f64>,
 }
 
+impl Moments {
+    /// Those of `pseudo_observations` zeros.
+    fn of_zeros(pseudo_observations: u64, width: usize) -> Self {
+        Self { count: pseudo_observations, sum: vec![0.0; width], sum_of_squares: vec![0.0; width] }
+    }
+
+    /// Whether they hold no input, only up to `pseudo_observations` zeros.
+    fn are_of_zeros(&self, pseudo_observations: u64) -> bool {
+        self.count <= pseudo_observations && self.sum_of_squares.iter().all(|&sum| sum == 0.0)
+    }
+}
+
 /// Normalises vectors of one kind (states or goals) by the mean and standard deviation of all it has been fed.
 ///
-/// Fed nothing, it takes every component as of mean 0 and standard deviation 1.
+/// Fed nothing, it takes every component as of mean 0 and standard deviation 1, whatever its pseudo-observations: alone,
+/// they would have no deviation (so does Baselines, until it first computes them).
 #[derive(Clone, Debug)]
 pub struct Normalizer {
     config: NormalizerConfig,
@@ -55,7 +97,7 @@ pub struct Normalizer {
 impl Normalizer {
     /// A normaliser of vectors of `width` numbers, fed nothing yet.
     pub fn new(config: NormalizerConfig, width: usize) -> Self {
-        let moments = Moments { count: 0, sum: vec![0.0; width], sum_of_squares: vec![0.0; width] };
+        let moments = Moments::of_zeros(config.pseudo_observations, width);
         Self { config, moments, mean: vec![0.0; width], scale: vec![1.0; width] }
     }
 
@@ -84,12 +126,12 @@ impl Normalizer {
     }
 
     fn refresh(&mut self) {
-        let Moments { count, sum, sum_of_squares } = &self.moments;
-        if *count == 0 {
+        if self.moments.are_of_zeros(self.config.pseudo_observations) {
             self.mean.fill(0.0);
             self.scale.fill(1.0);
             return;
         }
+        let Moments { count, sum, sum_of_squares } = &self.moments;
         for i in 0..sum.len() {
             let (mean, std) = mean_and_std(*count as f64, sum[i], sum_of_squares[i]);
             self.mean[i] = mean as f32;
@@ -149,7 +191,9 @@ fn mean_and_std(count: f64, sum: f64, sum_of_squares: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Normalizer, NormalizerConfig, mean_and_std};
+    use crate::auto::Auto;
+
+    use super::{Moments, Normalizer, NormalizerConfig, mean_and_std};
 
     fn normalized(normalizer: &Normalizer, row: &[f32]) -> Vec<f32> {
         let mut out = vec![0.0; row.len()];
@@ -165,9 +209,82 @@ mod tests {
         assert_eq!(std, 5f64.sqrt());
     }
 
+    /// A normaliser of the inputs alone.
+    fn of_inputs_alone(width: usize) -> Normalizer {
+        Normalizer::new(with(0), width)
+    }
+
+    fn with(pseudo_observations: u64) -> NormalizerConfig {
+        NormalizerConfig { pseudo_observations, ..NormalizerConfig::default() }
+    }
+
+    #[test]
+    fn mean_and_std_with_a_pseudo_observation_by_hand() {
+        // 0, 1, 3: mean 4/3, variance (0 + 1 + 9)/3 - 16/9 = 14/9.
+        let mut normalizer = Normalizer::new(with(1), 1);
+        normalizer.update(&[1.0, 3.0]);
+        assert_eq!(*normalizer.moments(), Moments { count: 3, sum: vec![4.0], sum_of_squares: vec![10.0] });
+        let (mean, std) = (4.0f32 / 3.0, (10f32 / 3.0 - 16.0 / 9.0).sqrt());
+        let out = normalized(&normalizer, &[2.0]);
+        assert!((out[0] - (2.0 - mean) / std).abs() < 1e-6, "{out:?}");
+    }
+
+    #[test]
+    fn pseudo_observations_are_inputs_of_zero() {
+        let (mut pseudo, mut fed) = (Normalizer::new(with(4), 2), of_inputs_alone(2));
+        fed.update(&[0.0; 8]);
+        assert_eq!(pseudo.moments(), fed.moments());
+        for normalizer in [&mut pseudo, &mut fed] {
+            normalizer.update(&[0.1, 0.7, 0.3, -0.9]);
+        }
+        assert_eq!(pseudo.moments(), fed.moments());
+        assert_eq!(normalized(&pseudo, &[0.2, 0.2]), normalized(&fed, &[0.2, 0.2]));
+    }
+
+    /// Zeros alone would have the least deviation, and multiply inputs by 100.
+    #[test]
+    fn pseudo_observations_alone_leave_inputs_as_they_are_also_after_loading() {
+        for pseudo_observations in [0, 1, 7] {
+            let unfed = Normalizer::new(with(pseudo_observations), 2);
+            let mut restored = Normalizer::new(with(pseudo_observations), 2);
+            restored.set_moments(unfed.moments().clone()).unwrap();
+            for normalizer in [unfed, restored] {
+                assert_eq!(normalizer.moments().count, pseudo_observations);
+                assert_eq!(normalized(&normalizer, &[0.5, -9.0]), [0.5, -5.0]);
+            }
+        }
+        // Fed zeros, it has seen that nothing varies.
+        let mut fed = Normalizer::new(with(1), 1);
+        fed.update(&[0.0; 3]);
+        assert_eq!(normalized(&fed, &[0.02]), [2.0]);
+    }
+
+    /// Moments from before there were pseudo-observations.
+    #[test]
+    fn moments_of_inputs_alone_keep_their_mean_and_deviation() {
+        let mut before = of_inputs_alone(1);
+        before.update(&[1.0, 3.0, 5.0, 7.0]);
+        let mut loaded = Normalizer::new(with(1), 1);
+        loaded.set_moments(before.moments().clone()).unwrap();
+        assert_eq!(normalized(&loaded, &[5.0]), normalized(&before, &[5.0]));
+        loaded.set_moments(of_inputs_alone(1).moments().clone()).unwrap();
+        assert_eq!(normalized(&loaded, &[0.5]), [0.5]);
+    }
+
+    #[test]
+    fn the_first_episodes_feed_and_no_others() {
+        let feeds = |feed_episodes| {
+            let config = NormalizerConfig { feed_episodes, ..NormalizerConfig::default() };
+            [0, 1, 2, 3].map(|before| config.feeds(before))
+        };
+        assert_eq!(feeds(Auto::Auto), [true; 4]);
+        assert_eq!(feeds(Auto::Value(2)), [true, true, false, false]);
+        assert_eq!(feeds(Auto::Value(0)), [false; 4]);
+    }
+
     #[test]
     fn normalises_by_all_it_was_fed() {
-        let mut normalizer = Normalizer::new(NormalizerConfig::default(), 2);
+        let mut normalizer = of_inputs_alone(2);
         assert_eq!(normalized(&normalizer, &[0.5, -2.0]), [0.5, -2.0]);
         normalizer.update(&[1.0, 0.0, 3.0, 10.0]);
         normalizer.update(&[5.0, 0.0, 7.0, 10.0]);
@@ -178,7 +295,7 @@ mod tests {
 
     #[test]
     fn floors_the_deviation_and_clips_on_both_sides() {
-        let mut normalizer = Normalizer::new(NormalizerConfig::default(), 2);
+        let mut normalizer = of_inputs_alone(2);
         // A constant component, and one whose raw value is clipped to 200 before it is counted.
         normalizer.update(&[3.0, 1e6, 3.0, 200.0]);
         let out = normalized(&normalizer, &[3.02, 1e6]);
@@ -187,7 +304,7 @@ mod tests {
         assert_eq!(normalized(&normalizer, &[4.0, 0.0]), [5.0, -5.0]);
 
         // -1e6 counts as -200, so that the mean is 0 and the deviation 200; -1e6 then is -1.
-        let mut normalizer = Normalizer::new(NormalizerConfig::default(), 1);
+        let mut normalizer = of_inputs_alone(1);
         normalizer.update(&[-1e6, 200.0]);
         assert_eq!(normalized(&normalizer, &[-1e6]), [-1.0]);
     }

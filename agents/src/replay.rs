@@ -18,6 +18,7 @@ use crate::batch::{Batch, Dims, check_len};
 use crate::error::AgentError;
 
 pub(crate) use draw::Draw;
+pub use draw::{HerStrategy, Hindsight};
 pub(crate) use log::Log;
 
 /// Which part of the buffer to sample.
@@ -137,8 +138,8 @@ impl Replay {
 
     /// Fills `batch` with transitions drawn uniformly, with replacement, from `source`.
     ///
-    /// With probability `her_k`/(`her_k` + 1) a transition's goal is one achieved later in its episode (HER,
-    /// strategy "future"), else the one that was asked for. Rewards are `env`'s for the achieved goal after the
+    /// With probability k/(k + 1) a transition's goal is one achieved in its episode, which one is up to the strategy
+    /// (HER), else the one that was asked for. Rewards are `env`'s for the achieved goal after the
     /// transition. The next actions are left as they are. Nothing is allocated.
     ///
     /// # Errors
@@ -146,7 +147,7 @@ impl Replay {
     pub fn sample(
         &self,
         source: Source,
-        her_k: u32,
+        hindsight: Hindsight,
         env: &dyn GoalEnv,
         rng: &mut Rng,
         batch: &mut Batch,
@@ -162,7 +163,7 @@ impl Replay {
                 Source::All => rng.random_range(0..self.records.len()),
                 Source::Newest => self.slot(self.stored - 1),
             };
-            batch.draws.push(Draw::new(record, self.horizon, her_k, rng));
+            batch.draws.push(Draw::new(record, self.horizon, hindsight, rng));
         }
         for row in 0..batch.len {
             let draw = batch.draws[row];
@@ -184,7 +185,7 @@ impl Replay {
         batch.actions[row * action..][..action].copy_from_slice(&step[state + goal..][..action]);
         batch.next_states[row * state..][..state].copy_from_slice(&step[self.step_len()..][..state]);
         let asked = &record[self.record_len() - goal..];
-        let wanted = draw.future.map_or(asked, |future| self.achieved(record, future));
+        let wanted = draw.relabel.map_or(asked, |index| self.achieved(record, index));
         batch.goals[row * goal..][..goal].copy_from_slice(wanted);
     }
 

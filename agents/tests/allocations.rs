@@ -6,7 +6,7 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use agents::{Batch, Replay, Source};
+use agents::{Batch, Replay, Source, StudentConfig};
 use envs::rng::{Purpose, stream};
 use support::{FETCH, Still, random_episode};
 
@@ -47,9 +47,10 @@ fn sampling_with_hindsight_does_not_allocate() {
     for _ in 0..30 {
         replay.push(&random_episode(&FETCH, &mut rng)).unwrap();
     }
+    let hindsight = StudentConfig::default().hindsight();
     let mut batch = Batch::new(&FETCH, 1024);
     for source in [Source::All, Source::Newest] {
-        let count = allocations(|| replay.sample(source, 4, &env, &mut rng, &mut batch).unwrap());
+        let count = allocations(|| replay.sample(source, hindsight, &env, &mut rng, &mut batch).unwrap());
         assert_eq!(count, 0, "{source:?}");
     }
 }

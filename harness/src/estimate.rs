@@ -92,7 +92,7 @@ impl Estimates {
 fn measure(registry: &Registry, run: &PlannedRun) -> Result<Speed, RunError> {
     let mut config = run.config.clone();
     let entry = registry.environment(&run.key.environment).expect("a plan only holds known names");
-    let cycle = config.student.episodes_per_cycle as u64 * entry.spec.horizon as u64;
+    let cycle = config.student.episodes_per_cycle() as u64 * entry.spec.horizon as u64;
     config.budget.steps = CYCLES * cycle;
     config.evaluation.every = config.budget.steps;
     config.evaluation.episodes = EPISODES;

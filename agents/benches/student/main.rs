@@ -82,7 +82,9 @@ fn update(criterion: &mut Criterion<Ratio>) {
                     let whole = timed(|| student.learn(&env, &mut rng).expect("finite"));
                     let drawing = timed(|| {
                         for _ in 0..config.updates_per_cycle {
-                            replay.sample(Source::All, 4, &env, &mut rng, &mut batch).expect("transitions");
+                            replay
+                                .sample(Source::All, config.hindsight(), &env, &mut rng, &mut batch)
+                                .expect("transitions");
                         }
                     });
                     (whole - drawing).as_secs_f64() / bare.as_secs_f64()
@@ -107,7 +109,9 @@ fn sampling(criterion: &mut Criterion<Ratio>) {
         bencher.iter_custom(|times| {
             let ratio = |_| {
                 let sample = timed(|| {
-                    replay.sample(Source::All, 4, &env, &mut rng, &mut batch).expect("transitions");
+                    replay
+                        .sample(Source::All, config.hindsight(), &env, &mut rng, &mut batch)
+                        .expect("transitions");
                 });
                 let update = timed(|| student.learn(&env, &mut rng).expect("finite"));
                 sample.as_secs_f64() / update.as_secs_f64()

@@ -311,24 +311,29 @@ fn drift(got: &Mlp, expected: &Mlp, start: &Mlp) -> f64 {
 
 #[test]
 fn two_hundred_updates_follow_automatic_differentiation_with_adam() {
-    check_updates();
+    check_updates(0.95, 40);
+}
+
+#[test]
+fn targets_that_follow_every_update_do_so_beside_automatic_differentiation() {
+    check_updates(0.99, 1);
 }
 
 #[test]
 fn two_hundred_updates_on_another_device_follow_automatic_differentiation_with_adam() {
-    far_away(check_updates);
+    far_away(|| check_updates(0.95, 40));
 }
 
-fn check_updates() {
-    const POLYAK: f64 = 0.95;
+/// With targets that follow, at the weight `polyak`, after every so many updates.
+fn check_updates(polyak: f64, every: usize) {
     crate::prepare_thread();
     let mut rng = stream(1, Purpose::Weights);
     let mut learner = learner(2, 64, &mut rng);
     let normalizers = normalizers(&mut rng);
     let start = Reference::both(&learner, 2);
     let [mut actor, mut critic] = Reference::both(&learner, 2);
-    for _ in 0..5 {
-        for _ in 0..40 {
+    for _ in 0..200 / every {
+        for _ in 0..every {
             let batch = batch(64, &mut rng);
             let [actor_gradient, critic_gradient] =
                 Transitions::of(&batch, &normalizers).gradients(&actor, &critic);
@@ -336,9 +341,9 @@ fn check_updates() {
             critic.adam(&critic_gradient, 2e-3);
             learner.update(&batch, &normalizers).unwrap();
         }
-        actor.follow(POLYAK);
-        critic.follow(POLYAK);
-        learner.end_cycle(POLYAK).unwrap();
+        actor.follow(polyak);
+        critic.follow(polyak);
+        learner.follow(polyak).unwrap();
     }
     assert_eq!(learner.steps, 200);
     let got = Reference::both(&learner, 2);

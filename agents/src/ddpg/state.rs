@@ -125,23 +125,37 @@ mod tests {
         }
     }
 
-    /// The ring (5 episodes of 20 steps) wraps between the saves.
+    /// The ring (5 episodes of 20 steps) wraps between the saves, the first of which comes after 4 episodes of 8: in the
+    /// middle of what is counted in episodes.
     #[test]
     fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
-        for noise in ["", "noise = { kind = 'ornstein-uhlenbeck' }"] {
+        for config in [
+            "",
+            "noise = { kind = 'ornstein-uhlenbeck' }",
+            "noise = { kind = 'gaussian', final_scale = 0.1, anneal_episodes = 6 }",
+            "noise = { kind = 'ornstein-uhlenbeck', final_scale = 0.1, anneal_episodes = 6 }",
+            "warmup_episodes = 5",
+            "normalizer = { pseudo_observations = 0 }",
+            "normalizer = { pseudo_observations = 30 }",
+            "normalizer = { feed_episodes = 5 }",
+            "normalizer = { feed_episodes = 0 }",
+            "polyak_every = 'update'",
+            "her_strategy = 'final'",
+            "her_strategy = 'episode'",
+        ] {
             let (folder, undisturbed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-            let mut scene = Scene::new(noise);
+            let mut scene = Scene::new(config);
             scene.cycles(2);
             let state = scene.agent.save(folder.path()).unwrap();
             let streams = scene.streams.clone();
             scene.cycles(2);
             let expected = scene.agent.save(undisturbed.path()).unwrap();
 
-            let mut resumed = Scene::new(noise);
+            let mut resumed = Scene::new(config);
             resumed.agent.load(&state, folder.path()).unwrap();
             resumed.streams = streams;
             resumed.cycles(2);
-            assert!(resumed.agent.save(folder.path()).unwrap() == expected, "{noise}");
+            assert!(resumed.agent.save(folder.path()).unwrap() == expected, "{config}");
         }
     }
 

@@ -110,13 +110,18 @@ impl Learner {
         Ok(loss)
     }
 
-    /// Lets the targets follow and looks at every parameter.
+    /// target ← α·target + (1 − α)·online for actor and critic, with the weight `polyak` for α.
+    pub(super) fn follow(&mut self, polyak: f64) -> Result<(), TchError> {
+        self.actor.follow(polyak)?;
+        self.critic.networks.follow(polyak)?;
+        Ok(())
+    }
+
+    /// Looks at every parameter.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if one is not finite.
-    pub(super) fn end_cycle(&mut self, polyak: f64) -> Result<(), AgentError> {
-        self.actor.follow(polyak)?;
-        self.critic.networks.follow(polyak)?;
+    pub(super) fn check(&self) -> Result<(), AgentError> {
         for (what, networks) in [("actor", &self.actor), ("critic", &self.critic.networks)] {
             if !networks.is_finite()? {
                 return Err(AgentError::Diverged { what, gradient_steps: self.steps });

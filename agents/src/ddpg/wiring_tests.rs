@@ -7,13 +7,13 @@ use super::{Ddpg, state};
 use crate::agent::{Agent, Critic, Episode, Mode, Network, Parameters};
 use crate::auto::Auto;
 use crate::batch::Batch;
-use crate::config::{Preset, StudentConfig};
+use crate::config::{PolyakEvery, Preset, StudentConfig};
 use crate::device::far_away;
 use crate::error::AgentError;
 use crate::networks::Trained;
-use crate::noise::{Noise, NoiseConfig};
+use crate::noise::{Noise, NoiseConfig, uniform};
 use crate::normalizer::{Normalizer, NormalizerConfig};
-use crate::replay::Source;
+use crate::replay::{HerStrategy, Hindsight, Source};
 
 /// A student of the toy task (S = G = A = 2, H = 20), the task, and a stream for replay.
 fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {
@@ -67,6 +67,35 @@ fn every_new_episode_feeds_the_normalisers_with_as_many_relabelled_draws_of_it_a
     }
 }
 
+/// Mean and deviation are those of the first episodes; the draws from the buffer are the same as without a limit.
+#[test]
+fn later_episodes_than_those_that_feed_leave_the_normalisers_as_they_are() {
+    let normalizer = |feed_episodes| NormalizerConfig { feed_episodes, ..NormalizerConfig::default() };
+    let (mut free, env, mut rng) = scene(&small());
+    let mut limited = [0, 2].map(|limit| {
+        let config = StudentConfig { normalizer: normalizer(Auto::Value(limit)), ..small() };
+        (limit, scene(&config).0, free.normalizers.clone())
+    });
+    for number in 1..=4 {
+        let before = rng.clone();
+        free.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+        for (limit, student, held) in &mut limited {
+            let mut same = before.clone();
+            student.observe(&episode(number), env.as_ref(), &mut same).unwrap();
+            assert_eq!(same, rng);
+            if u64::from(number) <= *limit {
+                held.clone_from(&free.normalizers);
+            }
+            assert_eq!(student.normalizers.state.moments(), held.state.moments(), "{limit}, {number}");
+            assert_eq!(student.normalizers.goal.moments(), held.goal.moments(), "{limit}, {number}");
+        }
+    }
+    let [(_, never, _), _] = &limited;
+    let mut seen = [0.0; 4];
+    never.normalizers.write(&[0.5, -9.0], &[1.5, 300.0], &mut seen);
+    assert_eq!(seen, [0.5, -5.0, 1.5, 5.0], "as they are, but clipped");
+}
+
 /// Parameters of the online and the target network.
 fn networks(trained: &Trained) -> [Vec<f32>; 2] {
     [Parameters::Online, Parameters::Target].map(|which| trained.network(which).numbers().unwrap())
@@ -97,7 +126,13 @@ fn targets_follow_once_per_cycle_whatever_the_preset() {
 
 #[test]
 fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
-    let config = StudentConfig { her_k: 2, ..small() };
+    for strategy in [HerStrategy::Future, HerStrategy::Final, HerStrategy::Episode] {
+        check_batches(Hindsight { k: 2, strategy });
+    }
+}
+
+fn check_batches(hindsight: Hindsight) {
+    let config = StudentConfig { her_k: hindsight.k, her_strategy: hindsight.strategy, ..small() };
     let [(mut whole, env, mut rng), (mut by_hand, ..)] = [scene(&config), scene(&config)];
     for number in 1..=4 {
         let mut same = rng.clone();
@@ -108,12 +143,30 @@ fn a_gradient_step_learns_from_a_fresh_relabelled_batch_of_all_episodes() {
     whole.learn(env.as_ref(), &mut rng).unwrap();
     let mut batch = Batch::new(env.spec(), 16);
     for _ in 0..3 {
-        by_hand.replay.sample(Source::All, 2, env.as_ref(), &mut draws, &mut batch).unwrap();
+        by_hand.replay.sample(Source::All, hindsight, env.as_ref(), &mut draws, &mut batch).unwrap();
         by_hand.learner.update(&batch, &by_hand.normalizers).unwrap();
     }
-    by_hand.learner.end_cycle(0.95).unwrap();
+    by_hand.learner.follow(0.95).unwrap();
     assert!(state::encode(&whole).unwrap() == state::encode(&by_hand).unwrap());
     assert_eq!(rng, draws);
+}
+
+/// The same draws and steps, but targets that move between them: each step of `apart`'s cycles of one step is one of
+/// `together`'s.
+#[test]
+fn targets_follow_every_update_if_asked_to() {
+    let polyak_every = PolyakEvery::Update;
+    let together = StudentConfig { polyak_every, ..small() };
+    let apart = StudentConfig { updates_per_cycle: 1, ..small() };
+    let taught = |config: &StudentConfig, cycles: usize| {
+        let (mut student, env, mut rng) = scene(config);
+        student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+        (0..cycles).for_each(|_| student.learn(env.as_ref(), &mut rng).unwrap());
+        (state::encode(&student).unwrap(), rng)
+    };
+    assert!(taught(&together, 2) == taught(&apart, 6));
+    assert!(taught(&together, 2) != taught(&small(), 2));
+    assert_eq!(taught(&together, 2).1, taught(&small(), 2).1, "as many draws");
 }
 
 #[test]
@@ -137,10 +190,7 @@ fn teachers_see_all_episodes_with_the_goals_that_were_asked_for() {
 
 #[test]
 fn exploration_adds_the_configured_noise_to_the_greedy_action() {
-    for noise in [
-        NoiseConfig::Gaussian { std: 0.3, random_epsilon: 0.5 },
-        NoiseConfig::OrnsteinUhlenbeck { theta: 0.2, sigma: 0.4, dt: 0.5 },
-    ] {
+    for noise in [NoiseConfig::gaussian(0.3, 0.5), NoiseConfig::ornstein_uhlenbeck(0.2, 0.4, 0.5)] {
         let (mut student, ..) = scene(&StudentConfig { noise, ..small() });
         let mut rng = stream(0, Purpose::Exploration);
         let (mut same, mut reference) = (rng.clone(), Noise::new(noise, 2));
@@ -148,11 +198,80 @@ fn exploration_adds_the_configured_noise_to_the_greedy_action() {
             let observation = Observation { state: vec![0.1 * f64::from(step), 0.5], achieved: vec![0.0; 2] };
             let (mut expected, mut action) = ([0.0; 2], [0.0; 2]);
             student.act(&observation, &[0.3, -0.3], Mode::Greedy, &mut expected).unwrap();
-            reference.apply(&mut expected, &mut same);
+            reference.apply(&mut expected, 0, &mut same);
             student.act(&observation, &[0.3, -0.3], Mode::Explore(&mut rng), &mut action).unwrap();
             assert_eq!(action, expected, "{noise:?}, step {step}");
         }
     }
+}
+
+/// The action that a student takes in state (0.1, 0.5) for goal (0.3, −0.3), greedily and exploring.
+fn actions(student: &mut Ddpg, rng: &mut Rng) -> [[f64; 2]; 2] {
+    let observation = Observation { state: vec![0.1, 0.5], achieved: vec![0.0; 2] };
+    [Mode::Greedy, Mode::Explore(rng)].map(|mode| {
+        let mut action = [0.0; 2];
+        student.act(&observation, &[0.3, -0.3], mode, &mut action).unwrap();
+        action
+    })
+}
+
+#[test]
+fn noise_is_annealed_by_the_episodes_that_came_in() {
+    let (final_scale, anneal_episodes) = (0.0, 3);
+    for noise in [
+        NoiseConfig::Gaussian { std: 0.3, random_epsilon: 0.5, final_scale, anneal_episodes },
+        NoiseConfig::OrnsteinUhlenbeck { theta: 0.2, sigma: 0.4, dt: 0.5, final_scale, anneal_episodes },
+    ] {
+        let (mut student, env, mut replay) = scene(&StudentConfig { noise, ..small() });
+        let (mut rng, mut reference) = (stream(0, Purpose::Exploration), Noise::new(noise, 2));
+        for before in 0..=5 {
+            student.begin_episode();
+            reference.begin_episode();
+            for _ in 0..10 {
+                let mut same = rng.clone();
+                let [mut greedy, exploring] = actions(&mut student, &mut rng);
+                assert_eq!(greedy == exploring, before >= 3, "{noise:?}, {before} episodes before");
+                reference.apply(&mut greedy, before, &mut same);
+                assert_eq!(exploring, greedy, "{noise:?}, {before} episodes before");
+            }
+            student.observe(&episode(1), env.as_ref(), &mut replay).unwrap();
+        }
+    }
+}
+
+/// A warm-up of 3 episodes ends within the second cycle of 2, which then learns as if there had been none.
+#[test]
+fn a_warm_up_acts_at_random_and_learns_nothing_until_it_is_over() {
+    let warm = StudentConfig { warmup_episodes: 3, ..small() };
+    let [(mut student, env, mut rng), (mut cold, _, mut same)] = [scene(&warm), scene(&small())];
+    let [mut exploration, mut draws, mut noise] = [(); 3].map(|()| stream(0, Purpose::Exploration));
+    student.learn(env.as_ref(), &mut rng).unwrap();
+    for before in 0..5 {
+        let [greedy, exploring] = actions(&mut student, &mut exploration);
+        if before < 3 {
+            let mut random = [0.0; 2];
+            uniform(&mut random, &mut draws);
+            assert_eq!((exploring, &exploration), (random, &draws), "{before}");
+            noise.clone_from(&draws);
+        } else {
+            let mut expected = greedy;
+            student.noise.clone().apply(&mut expected, before, &mut noise);
+            assert_eq!((exploring, &exploration), (expected, &noise), "{before}");
+        }
+        student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
+        cold.observe(&episode(1), env.as_ref(), &mut same).unwrap();
+        if before == 1 {
+            let idle = state::encode(&student).unwrap();
+            student.learn(env.as_ref(), &mut rng).unwrap();
+            assert!(state::encode(&student).unwrap() == idle && student.gradient_steps() == 0);
+        } else if before == 3 {
+            student.learn(env.as_ref(), &mut rng).unwrap();
+            cold.learn(env.as_ref(), &mut same).unwrap();
+        }
+        assert_eq!(rng, same, "{before}");
+        assert!(state::encode(&student).unwrap() == state::encode(&cold).unwrap(), "{before}");
+    }
+    assert_eq!(student.gradient_steps(), 3);
 }
 
 /// A step size beyond single precision makes parameters infinite while the loss before the step was finite. If there is

@@ -9,6 +9,7 @@ use crate::batch::Batch;
 use crate::config::StudentConfig;
 use crate::device::far_away;
 use crate::error::AgentError;
+use crate::normalizer::{Normalizer, NormalizerConfig};
 
 const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, action: 1, horizon: 4 };
 const BATCH: usize = 32;
@@ -18,6 +19,14 @@ fn ensemble(members: usize, gamma: f64, rng: &mut Rng) -> Ensemble {
     let student = StudentConfig { width: 16, gamma: Auto::Value(gamma), ..StudentConfig::default() };
     let config = EnsembleConfig { members, batch: BATCH, lr: 1e-2, polyak: 0.9 };
     Ensemble::new(config, &student, &SPEC, rng).unwrap()
+}
+
+/// A small ensemble beside a student with the normalisers of `normalizer`.
+fn with_normalizer(normalizer: NormalizerConfig) -> Ensemble {
+    crate::prepare_thread();
+    let student = StudentConfig { width: 16, normalizer, ..StudentConfig::default() };
+    let config = EnsembleConfig { members: 2, batch: BATCH, lr: 1e-2, polyak: 0.9 };
+    Ensemble::new(config, &student, &SPEC, &mut stream(1, Purpose::Weights)).unwrap()
 }
 
 /// Random transitions; the reward is −1 where the goal is positive.
@@ -156,17 +165,20 @@ fn values_build_on_the_targets() {
     assert!(settled(false) > -1.8, "without targets that follow, values stay near the first ones");
 }
 
-#[test]
-fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
-    let episode = Episode {
+fn episode() -> Episode {
+    Episode {
         states: rows(2, &[0.1, 0.5, 0.3, 0.1, 0.2, 0.2, 0.4, 0.9, 0.0, 0.0]),
         achieved: rows(1, &[0.0; 5]),
         actions: rows(1, &[0.5; 4]),
         goal: vec![0.7],
         success: false,
-    };
+    }
+}
+
+#[test]
+fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
     let train = |ensemble: &mut Ensemble, rng: &mut Rng| {
-        ensemble.observe(&episode).unwrap();
+        ensemble.observe(&episode()).unwrap();
         for _ in 0..3 {
             ensemble.update(&batch(2 * BATCH, rng)).unwrap();
         }
@@ -186,6 +198,40 @@ fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
     let mut other = ensemble(3, 0.75, &mut stream(1, Purpose::Weights));
     assert!(other.load(&saved).unwrap_err().to_string().contains("parameters"));
     assert!(other.load(&saved[..10]).is_err());
+}
+
+/// The ensemble's normalisers are of the student's config: 4 states and 4 times the goal, beside what is counted before.
+#[test]
+fn normalisers_start_with_the_pseudo_observations_of_the_student() {
+    for pseudo_observations in [0, 1, 3] {
+        let normalizer = NormalizerConfig { pseudo_observations, ..NormalizerConfig::default() };
+        let mut ensemble = with_normalizer(normalizer);
+        ensemble.observe(&episode()).unwrap();
+        let mut expected = Normalizer::new(normalizer, 1);
+        expected.update(&[0.7; 4]);
+        assert_eq!(ensemble.normalizers.goal.moments(), expected.moments());
+    }
+}
+
+#[test]
+fn only_the_first_episodes_feed_the_normalisers_also_across_a_save() {
+    let limited =
+        |episodes| NormalizerConfig { feed_episodes: Auto::Value(episodes), ..NormalizerConfig::default() };
+    let fed = |episodes: usize| {
+        let mut ensemble = with_normalizer(NormalizerConfig::default());
+        (0..episodes).for_each(|_| ensemble.observe(&episode()).unwrap());
+        ensemble.normalizers.state.moments().clone()
+    };
+    for limit in [0, 1, 3] {
+        let mut ensemble = with_normalizer(limited(limit));
+        for episodes in 1..=5 {
+            ensemble.observe(&episode()).unwrap();
+            assert_eq!(*ensemble.normalizers.state.moments(), fed(episodes.min(limit as usize)));
+            let mut resumed = with_normalizer(limited(limit));
+            resumed.load(&ensemble.save().unwrap()).unwrap();
+            ensemble = resumed;
+        }
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use envs::rng::{Purpose, Rng, stream};
 use envs::{EnvError, Family, GoalEnv, Observation, Rows, Spec};
 
-use super::{Replay, Source};
+use super::{HerStrategy, Hindsight, Replay, Source};
 use crate::agent::Episode;
 use crate::batch::Batch;
 use crate::error::AgentError;
@@ -68,9 +68,14 @@ fn filled(capacity: usize, episodes: usize) -> Replay {
 }
 
 /// Draws many transitions, checks that each is one of an episode, and counts (episode, step, goal).
-fn sample(replay: &Replay, source: Source, her_k: u32, n: usize) -> BTreeMap<(usize, usize, i32), usize> {
+fn sample(
+    replay: &Replay,
+    source: Source,
+    hindsight: Hindsight,
+    n: usize,
+) -> BTreeMap<(usize, usize, i32), usize> {
     let mut batch = Batch::new(&SPEC, n);
-    replay.sample(source, her_k, &Equal, &mut stream(0, Purpose::Replay), &mut batch).unwrap();
+    replay.sample(source, hindsight, &Equal, &mut stream(0, Purpose::Replay), &mut batch).unwrap();
     let mut counts = BTreeMap::new();
     for row in 0..n {
         let [e, t] = [batch.states[2 * row], batch.states[2 * row + 1]];
@@ -85,7 +90,7 @@ fn sample(replay: &Replay, source: Source, her_k: u32, n: usize) -> BTreeMap<(us
 
 #[test]
 fn without_hindsight_every_transition_comes_with_the_goal_asked_for() {
-    let counts = sample(&filled(3, 3), Source::All, 0, 12_000);
+    let counts = sample(&filled(3, 3), Source::All, Hindsight::NONE, 12_000);
     assert_eq!(counts.len(), 3 * H, "every transition of every episode");
     for ((e, _, goal), count) in counts {
         assert_eq!(goal, -(e as i32));
@@ -93,29 +98,45 @@ fn without_hindsight_every_transition_comes_with_the_goal_asked_for() {
     }
 }
 
-#[test]
-fn hindsight_goals_are_achieved_later_in_the_same_episode() {
+/// Checks the share, among the relabelled transitions that start at step t, of the goals achieved at index i.
+fn check_goals(strategy: HerStrategy, expected: impl Fn(usize, usize) -> f64) {
     let n = 40_000;
-    let counts = sample(&filled(1, 1), Source::All, 4, n);
+    let counts = sample(&filled(1, 1), Source::All, Hindsight { k: 4, strategy }, n);
     let share = |t: usize, goal: i32| counts.get(&(1, t, goal)).copied().unwrap_or(0) as f64 / n as f64;
     for t in 0..H {
-        // One in five keeps the goal asked for; the others spread evenly over what lies after t.
+        // One in five keeps the goal asked for.
         assert!((share(t, -1) - 0.2 / H as f64).abs() < 0.01, "step {t}");
-        for future in 0..=H {
-            let expected = if future > t { 0.8 / H as f64 / (H - t) as f64 } else { 0.0 };
-            let got = share(t, 10 + future as i32);
-            assert!((got - expected).abs() < 0.01, "step {t}, goal of {future}: {got} for {expected}");
+        for index in 0..=H {
+            let (expected, got) = (0.8 / H as f64 * expected(t, index), share(t, 10 + index as i32));
+            assert!((got - expected).abs() < 0.01, "step {t}, goal of {index}: {got} for {expected}");
+            assert!(expected > 0.0 || got == 0.0, "step {t}, goal of {index}");
         }
     }
+}
+
+#[test]
+fn future_goals_are_achieved_later_in_the_same_episode() {
+    check_goals(HerStrategy::Future, |t, index| if index > t { 1.0 / (H - t) as f64 } else { 0.0 });
+}
+
+#[test]
+fn final_goals_are_achieved_at_the_end_of_the_same_episode() {
+    check_goals(HerStrategy::Final, |_, index| if index == H { 1.0 } else { 0.0 });
+}
+
+#[test]
+fn episode_goals_are_achieved_by_any_transition_of_the_same_episode() {
+    check_goals(HerStrategy::Episode, |_, index| if index > 0 { 1.0 / H as f64 } else { 0.0 });
 }
 
 #[test]
 fn a_full_buffer_forgets_the_oldest_episode() {
     let replay = filled(3, 5);
     assert_eq!((replay.len(), replay.transitions(), replay.stored()), (3, 12, 5));
-    let episodes: Vec<usize> = sample(&replay, Source::All, 0, 500).into_keys().map(|key| key.0).collect();
+    let episodes: Vec<usize> =
+        sample(&replay, Source::All, Hindsight::NONE, 500).into_keys().map(|key| key.0).collect();
     assert_eq!([episodes.first(), episodes.last()], [Some(&3), Some(&5)]);
-    assert!(sample(&replay, Source::Newest, 0, 100).into_keys().all(|(e, _, _)| e == 5));
+    assert!(sample(&replay, Source::Newest, Hindsight::NONE, 100).into_keys().all(|(e, _, _)| e == 5));
 }
 
 #[test]
@@ -163,7 +184,7 @@ fn states_are_those_that_transitions_start_from() {
 #[test]
 fn nothing_can_be_drawn_from_an_empty_buffer() {
     let (empty, mut rng) = (filled(1, 0), stream(0, Purpose::Replay));
-    let drawn = empty.sample(Source::All, 4, &Equal, &mut rng, &mut Batch::new(&SPEC, 1));
+    let drawn = empty.sample(Source::All, Hindsight::NONE, &Equal, &mut rng, &mut Batch::new(&SPEC, 1));
     assert!(matches!(drawn, Err(AgentError::EmptyReplay)));
     assert!(matches!(empty.sample_state(&mut rng, &mut [0.0; 2]), Err(AgentError::EmptyReplay)));
 }

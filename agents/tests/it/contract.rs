@@ -115,8 +115,13 @@ fn every_range_is_checked_and_the_field_named() {
         change(&mut config);
         config
     };
-    let gaussian = |std, random_epsilon| NoiseConfig::Gaussian { std, random_epsilon };
-    let correlated = |theta, sigma, dt| NoiseConfig::OrnsteinUhlenbeck { theta, sigma, dt };
+    let (gaussian, correlated) = (NoiseConfig::gaussian, NoiseConfig::ornstein_uhlenbeck);
+    let annealed = |final_scale, anneal_episodes| NoiseConfig::Gaussian {
+        std: 0.2,
+        random_epsilon: 0.3,
+        final_scale,
+        anneal_episodes,
+    };
     let noisy = |noise| StudentConfig { noise, ..StudentConfig::default() };
     let wrong = [
         ("batch", with(|c| c.batch = Auto::Value(0))),
@@ -132,18 +137,25 @@ fn every_range_is_checked_and_the_field_named() {
         ("critic_lr", with(|c| c.critic_lr = f64::NAN)),
         ("polyak", with(|c| c.polyak = 1.01)),
         ("polyak", with(|c| c.polyak = f64::NAN)),
-        ("episodes_per_cycle", with(|c| c.episodes_per_cycle = 0)),
+        ("episodes_per_cycle", with(|c| c.episodes_per_cycle = Auto::Value(0))),
+        ("episodes_per_cycle", with(|c| c.episodes_per_cycle = Auto::Value(1_000_001))),
         ("updates_per_cycle", with(|c| c.updates_per_cycle = 0)),
         ("action_l2", with(|c| c.action_l2 = -1.0)),
         ("replay_capacity", with(|c| c.replay_capacity = FETCH.horizon - 1)),
         ("normalizer.std_floor", with(|c| c.normalizer.std_floor = 0.0)),
         ("normalizer.clip_before", with(|c| c.normalizer.clip_before = -1.0)),
         ("normalizer.clip_after", with(|c| c.normalizer.clip_after = f64::NAN)),
+        ("normalizer.pseudo_observations", with(|c| c.normalizer.pseudo_observations = 1_000_001)),
+        ("normalizer.feed_episodes", with(|c| c.normalizer.feed_episodes = Auto::Value(1_000_000_001))),
         ("noise.std", noisy(gaussian(-0.1, 0.3))),
         ("noise.random_epsilon", noisy(gaussian(0.2, 1.5))),
         ("noise.theta", noisy(correlated(-1.0, 0.2, 1.0))),
         ("noise.sigma", noisy(correlated(0.15, f64::NAN, 1.0))),
         ("noise.dt", noisy(correlated(0.15, 0.2, 0.0))),
+        ("noise.final_scale", noisy(annealed(1.1, 5))),
+        ("noise.final_scale", noisy(annealed(f64::NAN, 5))),
+        ("warmup_episodes", with(|c| c.warmup_episodes = 1_000_000_001)),
+        ("noise.anneal_episodes", noisy(annealed(0.5, 1_000_000_001))),
     ];
     for (name, config) in wrong {
         match agents::make(&config, &FETCH, 0).map(|_| ()) {
@@ -164,11 +176,11 @@ fn the_ends_of_the_ranges_are_accepted() {
         layers: Auto::Value(8),
         gamma: Auto::Value(0.0),
         polyak: 1.0,
-        episodes_per_cycle: 1,
+        episodes_per_cycle: Auto::Value(1),
         updates_per_cycle: 1,
         her_k: 0,
         action_l2: 0.0,
-        noise: NoiseConfig::Gaussian { std: 0.0, random_epsilon: 1.0 },
+        noise: NoiseConfig::gaussian(0.0, 1.0),
         replay_capacity: FETCH.horizon,
         ..StudentConfig::default()
     };

@@ -1,21 +1,21 @@
 //! Every preset and every noise, and what "auto" becomes.
 
-use agents::{Auto, Mode, NoiseConfig, Preset, StudentConfig};
+use agents::{Auto, HerStrategy, Mode, NoiseConfig, PolyakEvery, Preset, StudentConfig};
 use envs::rng::{Purpose, stream};
 
 use crate::toy::{Run, small};
 
-/// Batch, hidden layers and γ that a preset means for an environment.
-fn resolved(preset: Preset, environment: &str) -> (Auto<usize>, Auto<usize>, Auto<f64>) {
+/// Batch, hidden layers, episodes per cycle and γ that a preset means for an environment.
+fn resolved(preset: Preset, environment: &str) -> ([Auto<usize>; 3], Auto<f64>) {
     let spec = &envs::find(environment).unwrap().spec;
     let config = StudentConfig::preset(preset).resolve(spec).unwrap();
-    (config.batch, config.layers, config.gamma)
+    ([config.batch, config.layers, config.episodes_per_cycle], config.gamma)
 }
 
 /// γ = 1 − 1/H: H is 50 for Fetch and HandReach, 100 for the manipulation tasks.
 #[test]
 fn auto_becomes_the_numbers_of_preset_and_environment() {
-    let numbers = |batch, layers, gamma| (Auto::Value(batch), Auto::Value(layers), Auto::Value(gamma));
+    let numbers = |whole: [usize; 3], gamma| (whole.map(Auto::Value), Auto::Value(gamma));
     for (environment, layers, gamma) in [
         ("FetchReach", 2, 0.98),
         ("FetchPickAndPlace", 2, 0.98),
@@ -23,26 +23,35 @@ fn auto_becomes_the_numbers_of_preset_and_environment() {
         ("HandReach", 3, 0.98),
         ("HandManipulateBlock", 3, 0.99),
     ] {
-        assert_eq!(resolved(Preset::Harmonised, environment), numbers(1024, layers, gamma), "{environment}");
-        assert_eq!(resolved(Preset::Official, environment), numbers(256, 3, gamma), "{environment}");
+        let [harmonised, official] = [Preset::Harmonised, Preset::Official].map(|p| resolved(p, environment));
+        assert_eq!(harmonised, numbers([1024, layers, 2], gamma), "{environment}");
+        assert_eq!(official, numbers([256, 3, 1], gamma), "{environment}");
     }
 }
 
-/// The cycle and the losses are the same for both: 2 episodes, 40 gradient steps, one Polyak update.
+/// Learning is the same for both, however many episodes it comes after: 40 gradient steps, one Polyak update.
 #[test]
 fn presets_hold_the_published_values() {
     for preset in [Preset::Harmonised, Preset::Official] {
         let config = StudentConfig::preset(preset);
-        assert_eq!((config.episodes_per_cycle, config.updates_per_cycle, config.her_k), (2, 40, 4));
+        assert_eq!((config.updates_per_cycle, config.her_k, config.warmup_episodes), (40, 4, 0));
+        assert_eq!((config.polyak_every, config.her_strategy), (PolyakEvery::Cycle, HerStrategy::Future));
         assert_eq!((config.width, config.replay_capacity), (256, 1_000_000));
         assert_eq!((config.actor_lr, config.critic_lr, config.polyak), (1e-3, 1e-3, 0.95));
         assert_eq!(config.action_l2, 1.0);
-        assert_eq!(config.noise, NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 });
+        assert_eq!(config.noise, NoiseConfig::gaussian(0.2, 0.3));
         let normalizer = config.normalizer;
         assert_eq!((normalizer.std_floor, normalizer.clip_before, normalizer.clip_after), (0.01, 200.0, 5.0));
+        assert_eq!((normalizer.pseudo_observations, normalizer.feed_episodes), (1, Auto::Auto));
     }
-    let run = Run::new(&StudentConfig { episodes_per_cycle: 7, ..small() }, 0);
-    assert_eq!(run.agent.episodes_per_cycle(), 7);
+    for (preset, given, episodes) in [
+        (Preset::Harmonised, Auto::Value(7), 7),
+        (Preset::Harmonised, Auto::Auto, 2),
+        (Preset::Official, Auto::Auto, 1),
+    ] {
+        let config = StudentConfig { preset, episodes_per_cycle: given, ..small() };
+        assert_eq!(Run::new(&config, 0).agent.episodes_per_cycle(), episodes);
+    }
 }
 
 #[test]
@@ -52,6 +61,7 @@ fn given_values_win_over_the_preset() {
         batch: Auto::Value(32),
         layers: Auto::Value(1),
         gamma: Auto::Value(0.9),
+        episodes_per_cycle: Auto::Value(3),
         ..StudentConfig::default()
     };
     let spec = &envs::find("HandReach").unwrap().spec;
@@ -60,10 +70,7 @@ fn given_values_win_over_the_preset() {
 
 #[test]
 fn every_preset_trains_with_every_noise() {
-    let noises = [
-        NoiseConfig::Gaussian { std: 0.2, random_epsilon: 0.3 },
-        NoiseConfig::OrnsteinUhlenbeck { theta: 0.15, sigma: 0.2, dt: 1.0 },
-    ];
+    let noises = [NoiseConfig::gaussian(0.2, 0.3), NoiseConfig::ornstein_uhlenbeck(0.15, 0.2, 1.0)];
     for preset in [Preset::Harmonised, Preset::Official] {
         for noise in noises {
             let config = StudentConfig { noise, updates_per_cycle: 3, ..StudentConfig::preset(preset) };
@@ -76,7 +83,7 @@ fn every_preset_trains_with_every_noise() {
 /// A correlated process must start anew with every episode, or the first action depends on the episode before.
 #[test]
 fn exploration_starts_anew_with_the_episode() {
-    let noise = NoiseConfig::OrnsteinUhlenbeck { theta: 0.15, sigma: 0.2, dt: 1.0 };
+    let noise = NoiseConfig::ornstein_uhlenbeck(0.15, 0.2, 1.0);
     let mut run = Run::new(&StudentConfig { noise, ..small() }, 0);
     let first_action = |run: &mut Run| {
         let mut action = [0.0; 2];

@@ -34,7 +34,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/replay.rs",
         original: "batch.rewards[row] = env.reward(achieved, wanted) as f32;",
         faulty: "let reward = env.reward(achieved, wanted) as f32;\n            \
-                 batch.rewards[row] = if draw.future.is_some() { -reward } else { reward };",
+                 batch.rewards[row] = if draw.relabel.is_some() { -reward } else { reward };",
         shows: true,
     },
     Fault {
@@ -73,8 +73,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "noise-zero",
         title: "no exploration noise",
         file: "agents/src/ddpg.rs",
-        original: "            self.noise.apply(action, rng);\n",
-        faulty: "            let _ = rng;\n",
+        original: "            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),\n",
+        faulty: "            Mode::Explore(_) => {}\n",
         shows: true,
     },
     Fault {

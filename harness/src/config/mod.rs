@@ -244,7 +244,7 @@ const MOST_STEPS: u64 = 1_000_000_000;
 
 fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let wrong = |path: &str, reason: String| Err(FieldError { path: path.to_owned(), reason });
-    let cycle = config.student.episodes_per_cycle as u64 * spec.horizon as u64;
+    let cycle = config.student.episodes_per_cycle() as u64 * spec.horizon as u64;
     let sizes = [
         ("budget.steps", config.budget.steps, MOST_STEPS),
         ("evaluation.episodes", config.evaluation.episodes, MOST),
@@ -266,7 +266,9 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     if config.evaluation.every < cycle {
         let reason = format!(
             "is {}, below the {cycle} steps of one cycle ({} episodes of {} steps); must be at least that",
-            config.evaluation.every, config.student.episodes_per_cycle, spec.horizon
+            config.evaluation.every,
+            config.student.episodes_per_cycle(),
+            spec.horizon
         );
         return wrong("evaluation.every", reason);
     }

@@ -40,7 +40,7 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Pro
     let student = &run.config.student;
     let size = Size {
         cycles,
-        steps: cycles * (student.episodes_per_cycle * spec.horizon) as u64,
+        steps: cycles * (student.episodes_per_cycle() * spec.horizon) as u64,
         updates: cycles * student.updates_per_cycle as u64,
         evaluation_every: run.config.evaluation.every,
     };
@@ -60,7 +60,7 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Pro
     let mut watch = Watch::new(folder.path(), products, student.updates_per_cycle);
     trainer.run(&mut watch).map_err(broken)?;
     let costs = watch.costs(&clock, size);
-    let memory = memory::measure(student, spec, size.cycles * student.episodes_per_cycle as u64)?;
+    let memory = memory::measure(student, spec, size.cycles * student.episodes_per_cycle() as u64)?;
     let (batch, layers) = (student.batch(), student.layers(spec));
     Ok(Profile { run: run.key.clone(), batch, layers, size, costs, gflop, memory })
 }
