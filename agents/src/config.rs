@@ -29,7 +29,7 @@ pub enum Preset {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PolyakEvery {
-    /// After the gradient steps of a cycle (Baselines; TEACH, Eq. 12).
+    /// After the gradient steps of a cycle (Baselines).
     #[default]
     Cycle,
     /// After every gradient step (DDPG, Algorithm 1, with an α of 0.999).
@@ -58,9 +58,9 @@ pub struct StudentConfig {
     pub actor_lr: f64,
     /// Adam's step size for the critic, positive. 1e-3 (TEACH 5.2).
     pub critic_lr: f64,
-    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online. 0.95 (TEACH, Eq. 12).
+    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online. The rule is TEACH's Eq. 12, 0.95 is Baselines'.
     pub polyak: f64,
-    /// When the target networks follow: once per `cycle` (Baselines; TEACH, Eq. 12) or after every `update` (DDPG).
+    /// When the target networks follow: once per `cycle` (Baselines) or after every `update` (DDPG).
     pub polyak_every: PolyakEvery,
     /// Episodes per cycle, 1 to 1,000,000. Auto: 2 (Baselines), `official` 1 (VDS).
     pub episodes_per_cycle: Auto<usize>,

@@ -5,11 +5,23 @@
 //! the papers are silent.
 //!
 //! # Deviations and choices
+//! - TEACH's Algorithm 2 updates the student after every environment step. Here it learns once per cycle, 40
+//!   gradient steps after two episodes, or 0.4 per environment step where H = 50 (Baselines' config).
+//! - A cycle's two episodes are played one after the other by one worker. Baselines plays them side by side (one,
+//!   unless `num_env` says 2), and its published results add up the gradients of 19 such workers.
 //! - Actor and critic gradients of one step are taken at the same parameters, then both are applied (Baselines).
-//! - Target networks follow once per cycle (Baselines; TEACH, Eq. 12), or after every gradient step as in DDPG's paper
-//!   (`polyak_every`).
+//! - Target networks follow once per cycle (Baselines), or after every gradient step as in DDPG's paper
+//!   (`polyak_every`). TEACH's Eq. 12 has the rule, but neither its coefficient nor when it is applied.
+//! - An episode gives all of its H transitions, and success counts after its last step. Baselines drops the last
+//!   step: it keeps H − 1 transitions, and success counts one step earlier.
 //! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
 //!   take inputs as they are until the first episode feeds them.
+//! - Normalisers take in H transitions of an episode, drawn with replacement and relabelled, as soon as it ends, so
+//!   a cycle's second episode already sees them moved. Baselines draws from a cycle's episodes together, after
+//!   both.
+//! - Once the buffer is full, a new episode takes the place of the oldest; in Baselines that of one drawn at
+//!   random. Within the paper's budgets it never comes to that.
+//! - Adam adds its ε after the bias correction (Kingma and Ba, algorithm 1), Baselines before it.
 //! - A fresh buffer learns from its first cycle on (Baselines), unless a warm-up of random actions is asked for
 //!   (`warmup_episodes`). The networks and their targets then stand still until it is over, the normalisers do not.
 

@@ -5,8 +5,9 @@
 //! teachers take turns, so that all meet the same machine; printed are medians over the turns. A whole cycle
 //! takes longer than its learning, so shares of a cycle are smaller still.
 //!
-//! TEACH, SPaCE and ProCuRL together, with their evaluations of the pool, should stay within 3 %; the exit code says
-//! whether they do. VDS trains an ensemble and is reported apart, as is confidence averaged over replayed states.
+//! TEACH, SPaCE and ProCuRL together, measuring from the coming start, should stay within 3 %, and TEACH with its default of 8 held
+//! states within 5 %; the exit code says whether they do. VDS trains an ensemble and is reported apart. Every episode has
+//! another start here, as it has on most tasks: on a maze, whose start is fixed, ProCuRL and TEACH ask less often.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints what it measured")]
 
@@ -21,10 +22,12 @@ use envs::rng::{Purpose, Rng, stream};
 use envs::{GoalEnv, Options, Rows, Spec, draw_pool};
 use toml::Table;
 
-/// The teachers that together may cost [`BAR`].
+/// The teachers that together may cost [`BAR`], measuring from the coming start.
 const CHEAP: [&str; 3] = ["teach", "space", "procurl"];
 /// At most this share of the student's learning.
 const BAR: f64 = 0.03;
+/// The same for TEACH as it is by default.
+const TEACH_BAR: f64 = 0.05;
 const TURNS: usize = 15;
 /// Turns before those that count.
 const WARM_UP: usize = 2;
@@ -79,9 +82,10 @@ impl Classroom {
     /// Seconds of all that `teacher` does in a cycle.
     fn teach(&mut self, teacher: &mut dyn Curriculum) -> f64 {
         let Self { student, env, episode, rng, .. } = self;
-        let start = env.observation().clone();
+        let mut start = env.observation().clone();
         let begun = Instant::now();
         for _ in 0..student.episodes_per_cycle() {
+            start.state[0] += 1e-3;
             let lesson = &mut Lesson { student: &mut **student, start: &start, env: &mut **env, rng };
             black_box(teacher.propose(lesson).expect("a goal"));
             teacher.observe(episode).expect("an episode of this task");
@@ -124,18 +128,15 @@ fn main() -> ExitCode {
     let (mut classroom, setting) = Classroom::new();
     let mut candidates: Vec<Candidate> =
         CURRICULA.iter().map(|entry| Candidate::new(entry.id, entry.id, "", &setting)).collect();
-    candidates.extend(
-        CHEAP.map(|id| {
-            Candidate::new(id, &format!("{id}, 8 replayed states"), "states = \"replay\"", &setting)
-        }),
-    );
+    candidates.extend(CHEAP.map(|id| Candidate::new(id, &from_start(id), "states = \"initial\"", &setting)));
+    let cheap = CHEAP.map(from_start);
     let (mut learning, mut together) = (Vec::new(), Vec::new());
     for turn in 0..WARM_UP + TURNS {
         let learned = classroom.learn();
         let mut sum = 0.0;
         for Candidate { name, teacher, shares } in &mut candidates {
             let share = classroom.teach(&mut **teacher) / learned;
-            if CHEAP.contains(&name.as_str()) {
+            if cheap.contains(name) {
                 sum += share;
             }
             if turn >= WARM_UP {
@@ -148,11 +149,22 @@ fn main() -> ExitCode {
         }
     }
     println!("the student's learning in a cycle: {:.0} ms; of that, in a cycle", 1e3 * median(learning));
+    let mut met = true;
+    let mut demand = |share: f64, bar: f64| {
+        println!("    at most {:.0} % wanted: {}", 100.0 * bar, if share <= bar { "met" } else { "NOT met" });
+        met &= share <= bar;
+    };
     for Candidate { name, shares, .. } in candidates {
-        print(&name, shares);
+        let share = print(&name, shares);
+        if name == "teach" {
+            demand(share, TEACH_BAR);
+        }
     }
-    let share = print(&CHEAP.join(" + "), together);
-    let met = share <= BAR;
-    println!("at most {:.0} % wanted: {}", 100.0 * BAR, if met { "met" } else { "NOT met" });
+    demand(print(&format!("{}, from the start", CHEAP.join(" + ")), together), BAR);
     if met { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What the teacher `id` is called where it measures from the coming start.
+fn from_start(id: &str) -> String {
+    format!("{id}, from the start")
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
 use goalbench::Registry;
-use goalbench::protocol::plan::Plan;
+use goalbench::protocol::plan::{Plan, PlannedRun};
 use goalbench::protocol::presets::PRESETS;
 
 #[test]
@@ -23,10 +23,27 @@ fn the_papers_protocol_has_its_size() {
     let protocol =
         PRESETS.iter().find(|preset| preset.name == "paper").expect("it is there").protocol(&registry);
     let plan = Plan::new(&protocol.expect("valid"), &registry).expect("valid");
-    assert_eq!(plan.runs.len(), 11 * 5 * 7);
+    assert_eq!(plan.runs.len(), 11 * 6 * 7);
     let steps =
         |id: &str| plan.runs.iter().find(|run| run.key.environment == id).map(|run| run.config.budget.steps);
     assert_eq!((steps("MazeA"), steps("FetchPush")), (Some(400_000), Some(1_000_000)));
+}
+
+#[test]
+fn the_open_readings_each_have_baselines_of_the_same_evaluation() {
+    let registry = Registry::builtin();
+    let preset = PRESETS.iter().find(|preset| preset.name == "ambiguity").expect("it is there");
+    let plan = Plan::new(&preset.protocol(&registry).expect("valid"), &registry).expect("valid");
+    let first = |run: &&PlannedRun| run.key.environment == "MazeA" && run.key.seed == 0;
+    let (teach, baselines): (Vec<_>, Vec<_>) =
+        plan.runs.iter().filter(first).partition(|run| run.key.curriculum == "teach");
+    // States × selection × goals of evaluations, and two ways to record at Δ = 10.
+    assert_eq!((teach.len(), baselines.len()), (3 * 2 * 2 + 2, 2 * 2));
+    for (index, run) in teach.iter().enumerate() {
+        assert!(teach[..index].iter().all(|other| other.config != run.config), "{}", run.key);
+        let alike = baselines.iter().filter(|other| other.config.evaluation == run.config.evaluation);
+        assert_eq!(alike.count(), 2, "{}", run.key);
+    }
 }
 
 #[test]
@@ -40,6 +57,6 @@ fn the_ablations_have_the_grids_of_the_specification() {
     };
     assert_eq!(values("ablation-window", "window"), ["3", "5", "10", "20"]);
     assert_eq!(values("ablation-interplay", "interplay"), ["1", "2", "5", "10", "50"]);
-    assert_eq!(values("ablation-polyak", "confidence"), ["\"online\"", "\"target\""]);
+    assert_eq!(values("ablation-polyak", "confidence"), ["\"online\"", "\"target-critic\""]);
     assert_eq!(values("ablation-polyak", "window"), ["3", "3"]);
 }

@@ -13,10 +13,11 @@ pub struct Preset {
 }
 
 /// All presets, smallest first.
-pub const PRESETS: [Preset; 7] = [
+pub const PRESETS: [Preset; 8] = [
     Preset { name: "smoke", text: include_str!("presets/smoke.toml") },
     Preset { name: "quickstart", text: include_str!("presets/quickstart.toml") },
     Preset { name: "reduced", text: include_str!("presets/reduced.toml") },
+    Preset { name: "ambiguity", text: include_str!("presets/ambiguity.toml") },
     Preset { name: "ablation-window", text: include_str!("presets/ablation-window.toml") },
     Preset { name: "ablation-interplay", text: include_str!("presets/ablation-interplay.toml") },
     Preset { name: "ablation-polyak", text: include_str!("presets/ablation-polyak.toml") },

@@ -14,8 +14,9 @@ use crate::protocol::plan::{Plan, PlannedRun};
 use crate::run::folder::read_json;
 use crate::sha256;
 
-/// Name of the teacher's number that [`Curve::effective_goals`] averages.
+/// Names of the numbers that [`Curve::effective_goals`] and [`Curve::effective_picks`] average.
 const EFFECTIVE_GOALS: &str = "effective_goals";
+const EFFECTIVE_PICKS: &str = "effective_picks";
 /// Hex digits kept of a digest: 64 bits.
 const DIGEST: usize = 16;
 
@@ -30,6 +31,10 @@ pub struct Curve {
     /// Mean over evaluations of the teacher's effective number of goals, to 4 digits; absent where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_goals: Option<f64>,
+    /// Mean over evaluations of the effective number of goals picked since the one before, to 4 digits; absent for teachers that
+    /// do not choose from a pool.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effective_picks: Option<f64>,
 }
 
 impl Curve {
@@ -175,14 +180,15 @@ fn recorded(results: &Path, run: &PlannedRun) -> Result<(Vec<Record>, Curve), Ha
     let successes =
         records.iter().map(|record| (record.success_rate * record.episodes as f64).round() as u64).collect();
     let digest = sha256::hex(text.as_bytes())[..DIGEST].to_owned();
-    let curve = Curve { records: digest, successes, effective_goals: effective_goals(&records) };
+    let [effective_goals, effective_picks] =
+        [EFFECTIVE_GOALS, EFFECTIVE_PICKS].map(|name| mean_over_evaluations(&records, name));
+    let curve = Curve { records: digest, successes, effective_goals, effective_picks };
     Ok((records, curve))
 }
 
-/// The teacher's effective number of goals over all evaluations that have one.
-fn effective_goals(records: &[Record]) -> Option<f64> {
-    let numbers: Vec<f64> =
-        records.iter().filter_map(|record| record.teacher.get(EFFECTIVE_GOALS)?.as_f64()).collect();
+/// The teacher's number `name` over all evaluations that have one.
+fn mean_over_evaluations(records: &[Record], name: &str) -> Option<f64> {
+    let numbers: Vec<f64> = records.iter().filter_map(|record| record.teacher.get(name)?.as_f64()).collect();
     reports::stats::mean(&numbers).map(four_digits)
 }
 

@@ -246,7 +246,15 @@ mod tests {
         let mut cell = Cell::empty(environment, curriculum);
         for (seed, &successes) in (0..).zip(last) {
             let records = format!("{environment}-{curriculum}-{seed}-{successes}");
-            cell.curves.insert(seed, Curve { records, successes: vec![0, successes], effective_goals: None });
+            cell.curves.insert(
+                seed,
+                Curve {
+                    records,
+                    successes: vec![0, successes],
+                    effective_goals: None,
+                    effective_picks: None,
+                },
+            );
         }
         cell
     }

@@ -94,7 +94,12 @@ mod tests {
         for (seed, last) in (0..).zip(last) {
             cell.curves.insert(
                 seed,
-                Curve { records: String::new(), successes: vec![0, last], effective_goals: None },
+                Curve {
+                    records: String::new(),
+                    successes: vec![0, last],
+                    effective_goals: None,
+                    effective_picks: None,
+                },
             );
         }
         [cell]

@@ -15,10 +15,14 @@ pub enum Measure {
     /// Mean over evaluations of the teacher's effective number of goals, exp(entropy): how widely it spread them. Neither
     /// more nor fewer is better; a change says that the teacher is another one.
     EffectiveGoals,
+    /// The same of the goals that it really picked from the pool between two evaluations: a teacher that does not do as its
+    /// weights say is another one, too.
+    EffectivePicks,
 }
 
 /// All measures, in the order of tables.
-pub const MEASURES: [Measure; 3] = [Measure::Area, Measure::FinalSuccess, Measure::EffectiveGoals];
+pub const MEASURES: [Measure; 4] =
+    [Measure::Area, Measure::FinalSuccess, Measure::EffectiveGoals, Measure::EffectivePicks];
 
 impl Measure {
     /// Name in tables.
@@ -27,12 +31,13 @@ impl Measure {
             Self::Area => "area under the curve",
             Self::FinalSuccess => "final success",
             Self::EffectiveGoals => "effective goals",
+            Self::EffectivePicks => "effective picks",
         }
     }
 
     /// Whether lower is worse; otherwise any change counts.
     pub fn is_success(self) -> bool {
-        self != Self::EffectiveGoals
+        matches!(self, Self::Area | Self::FinalSuccess)
     }
 
     /// The measure of one run; `None` where its teacher has no such number.
@@ -41,10 +46,11 @@ impl Measure {
             Self::Area => Some(area(&cell.steps, &curve.rates(cell.episodes))),
             Self::FinalSuccess => Some(final_success(&curve.rates(cell.episodes), window)),
             Self::EffectiveGoals => curve.effective_goals,
+            Self::EffectivePicks => curve.effective_picks,
         }
     }
 
-    /// By how much `now` differs from `before`: success rates as they are, effective goals as a share of `before`.
+    /// By how much `now` differs from `before`: success rates as they are, numbers of goals as a share of `before`.
     pub fn change(self, before: f64, now: f64) -> f64 {
         if self.is_success() { now - before } else { now / before - 1.0 }
     }

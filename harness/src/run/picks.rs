@@ -37,19 +37,27 @@ fn relative_place(Rank { place, of }: Rank) -> Option<f64> {
 
 /// A record of no episodes yet.
 pub fn no_episodes() -> Teaching {
-    let none = || Some(Vec::new());
-    Teaching { picks: none(), scores: Some(Vec::new()), ranks: none(), ..Teaching::default() }
+    Teaching { picks: Some(Vec::new()), ..Teaching::default() }
 }
 
 /// Adds the choice of an episode's goal, the pool's goal `pick` if it is one, to what is recorded.
 pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, pick: Option<usize>, choice: Option<Choice>) {
     let narrow = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
     let rank = choice.and_then(|choice| choice.rank);
-    teaching.picks.get_or_insert_default().push(pick.map(narrow));
-    teaching.scores.get_or_insert_default().push(choice.map(|choice| choice.score as f32));
-    teaching.ranks.get_or_insert_default().push(rank.map(|rank| narrow(rank.place)));
+    let picks = teaching.picks.get_or_insert_default();
+    let before = picks.len();
+    picks.push(pick.map(narrow));
+    push(&mut teaching.scores, before, choice.map(|choice| choice.score as f32));
+    push(&mut teaching.ranks, before, rank.map(|rank| narrow(rank.place)));
     if let Some(rank) = rank {
         ranks.push(rank);
+    }
+}
+
+/// Appends an episode's number to a list that is only there for teachers that have such numbers; `before` episodes came without.
+fn push<T: Clone>(list: &mut Option<Vec<Option<T>>>, before: usize, value: Option<T>) {
+    if value.is_some() || list.is_some() {
+        list.get_or_insert_with(|| vec![None; before]).push(value);
     }
 }
 
@@ -121,6 +129,19 @@ mod tests {
         assert!(correlation(&[(1.0, 1.0), (2.0, 1.0)]).is_nan());
         assert!(correlation(&[(0.1, 1.0), (0.1, 0.0), (0.1, 0.0)]).is_nan());
         assert!(correlation(&[]).is_nan());
+    }
+
+    #[test]
+    fn lists_are_as_long_as_there_are_episodes_or_absent() {
+        let (mut teaching, mut ranks) = (no_episodes(), Ranks::default());
+        let choice = |score, rank| Some(Choice { score, rank });
+        note(&mut teaching, &mut ranks, None, None);
+        assert_eq!((&teaching.picks, &teaching.scores), (&Some(vec![None]), &None));
+        note(&mut teaching, &mut ranks, Some(4), choice(0.5, None));
+        note(&mut teaching, &mut ranks, Some(4), None);
+        assert_eq!(teaching.picks, Some(vec![None, Some(4), Some(4)]));
+        assert_eq!(teaching.scores, Some(vec![None, Some(0.5), None]));
+        assert_eq!(teaching.ranks, None);
     }
 
     #[test]
