@@ -78,14 +78,39 @@ pub(crate) static FAULTS: &[Fault] = &[
         shows: true,
     },
     Fault {
+        name: "no-pseudo-observation",
+        title: "input normalisers start with nothing",
+        file: "agents/src/normalizer.rs",
+        original: "Moments::of_zeros(config.pseudo_observations, width)",
+        faulty: "Moments::of_zeros(0, width)",
+        shows: true,
+    },
+    Fault {
+        name: "space-turns",
+        title: "SPaCE counts turns over all episodes, modulo a set that grows",
+        file: "curricula/src/methods/space.rs",
+        original: "        let place = next_turn(state.turn, state.set.len());\n        state.turn = Some(place);\n",
+        faulty: "        let count = state.turn.map_or(0, |turn| turn + 1);\n        state.turn = Some(count);\n        \
+                 let place = count % state.set.len();\n",
+        shows: true,
+    },
+    Fault {
+        name: "teach-redrawn",
+        title: "the states that confidence is compared over are drawn anew every time",
+        file: "curricula/src/probe.rs",
+        original: "                Some(held) => held.clone(),\n",
+        faulty: "                Some(_) => lesson.student.replay_states(config.replay_states, lesson.rng),\n",
+        shows: true,
+    },
+    Fault {
         name: "teach-inverted",
         title: "TEACH weighs goals by how little they change",
         file: "curricula/src/methods/teach.rs",
-        original: "Distribution::proportional(&window.variance(), ",
-        faulty: "Distribution::proportional(&{\n        \
-                 let variance = window.variance();\n        \
-                 let most = variance.iter().copied().fold(0.0, f64::max);\n        \
-                 variance.iter().map(|one| most - one).collect::<Vec<f64>>()\n    }, ",
+        original: "            Self::Variance => window.variance(),\n",
+        faulty: "            Self::Variance => {\n                \
+                 let variance = window.variance();\n                \
+                 let most = variance.iter().copied().fold(0.0, f64::max);\n                \
+                 variance.iter().map(|one| most - one).collect()\n            }\n",
         shows: true,
     },
     Fault {
