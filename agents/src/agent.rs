@@ -58,7 +58,7 @@ pub trait Critic {
     fn spec(&self) -> &Spec;
 
     /// Gradient steps taken so far: while they stand still, so do the networks (their input normalisers move with every
-    /// episode taken in).
+    /// episode that feeds them).
     fn gradient_steps(&self) -> u64;
 
     /// The lowest return there is, -1/(1-gamma); the highest is 0. A critic's own values can lie outside.
@@ -179,8 +179,8 @@ pub trait Agent: Critic + Send {
     /// student is unusable after an error.
     fn load(&mut self, state: &[u8], replay: &Path) -> Result<(), AgentError>;
 
-    /// Becomes the student that [`Agent::save`] wrote without its experience: it acts and answers as that one did. Its
-    /// own replay buffer stays as it is.
+    /// Becomes the student that [`Agent::save`] wrote without its experience: it acts greedily and answers as that one did.
+    /// Its own replay buffer stays as it is, and with it the count of episodes that exploration and learning go by.
     ///
     /// # Errors
     /// [`AgentError::State`] if `state` is damaged or of another student, which leaves this one unusable.

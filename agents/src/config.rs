@@ -266,10 +266,26 @@ mod tests {
             feed_episodes: Auto::Value(30),
             ..NormalizerConfig::default()
         };
-        let official =
-            StudentConfig { gamma: Auto::Value(0.9), normalizer, ..StudentConfig::preset(Preset::Official) };
-        assert_eq!(read(&toml::to_string(&official).unwrap()), Ok(official.clone()));
-        let json = serde_json::to_string(&official).unwrap();
-        assert_eq!(serde_json::from_str::<StudentConfig>(&json).unwrap(), official);
+        let (final_scale, anneal_episodes) = (0.5, 40);
+        for noise in [
+            NoiseConfig::Gaussian { std: 0.1, random_epsilon: 0.2, final_scale, anneal_episodes },
+            NoiseConfig::OrnsteinUhlenbeck { theta: 0.1, sigma: 0.3, dt: 0.5, final_scale, anneal_episodes },
+        ] {
+            let config = StudentConfig {
+                gamma: Auto::Value(0.9),
+                polyak_every: PolyakEvery::Update,
+                episodes_per_cycle: Auto::Value(3),
+                her_strategy: HerStrategy::Episode,
+                noise,
+                warmup_episodes: 20,
+                normalizer,
+                ..StudentConfig::preset(Preset::Official)
+            };
+            for config in [config, StudentConfig { noise, ..StudentConfig::default() }] {
+                assert_eq!(read(&toml::to_string(&config).unwrap()), Ok(config.clone()));
+                let json = serde_json::to_string(&config).unwrap();
+                assert_eq!(serde_json::from_str::<StudentConfig>(&json).unwrap(), config);
+            }
+        }
     }
 }

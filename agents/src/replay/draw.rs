@@ -88,7 +88,7 @@ fn episode_index(horizon: usize, u: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use envs::rng::{Purpose, stream};
+    use envs::rng::{Purpose, Rng, stream};
 
     use super::{
         Draw, HerStrategy, Hindsight, episode_index, final_index, future_index, relabel_probability,
@@ -127,7 +127,7 @@ mod tests {
     fn strategies_change_goals_alone() {
         let [mut future, mut last, mut episode] = [(); 3].map(|()| stream(0, Purpose::Replay));
         for _ in 0..100 {
-            let draw = |strategy, rng| Draw::new(3, 10, Hindsight { k: 4, strategy }, rng);
+            let draw = |strategy, rng: &mut Rng| Draw::new(3, 10, Hindsight { k: 4, strategy }, rng);
             let expected = draw(HerStrategy::Future, &mut future);
             for (strategy, rng) in [(HerStrategy::Final, &mut last), (HerStrategy::Episode, &mut episode)] {
                 let got = draw(strategy, rng);

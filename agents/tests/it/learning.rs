@@ -4,12 +4,12 @@
 //!
 //! | student | cycles | success |
 //! |---|---|---|
-//! | default α = 0.95 | 260 | 1.00 for all (160 cycles: 0.90 to 0.98) |
+//! | default α = 0.95 | 260 | 1.00 for all (160 cycles: 0.84 to 1.00) |
 //! | quick, α = 0.5 | 60 | 1.00 for all (as at 40 cycles) |
 //! | quick, α = 0: targets are copies | 60 | 1.00 for all: on this task lagging behind is not needed |
 //! | quick, Ornstein-Uhlenbeck noise | 60 | 1.00 for all |
-//! | quick, no hindsight | 60 | 0.00 to 0.04 |
-//! | quick, α = 1: targets never move | 60 | 0.08 to 0.24 |
+//! | quick, no hindsight | 60 | 0.28 for one, else up to 0.04 |
+//! | quick, α = 1: targets never move | 60 | 0.06 to 0.24 |
 
 use agents::StudentConfig;
 
@@ -43,7 +43,7 @@ fn without_hindsight_it_is_not_solved() {
     let broken = StudentConfig { her_k: 0, ..quick() };
     for seed in [1, 2] {
         let success = success(&broken, seed, 60);
-        assert!(success < 0.3, "seed {seed}: {success}");
+        assert!(success < 0.5, "seed {seed}: {success}");
     }
 }
 
