@@ -96,6 +96,8 @@ fn measure(registry: &Registry, run: &PlannedRun) -> Result<Speed, RunError> {
     config.budget.steps = CYCLES * cycle;
     config.evaluation.every = config.budget.steps;
     config.evaluation.episodes = EPISODES;
+    // A warm-up, in which nothing is learned, is over soon; what takes time is the learning.
+    config.student.warmup_episodes = 0;
     config.student.updates_per_cycle = UPDATES.min(run.config.student.updates_per_cycle);
     let updates = run.config.student.updates_per_cycle as f64 / config.student.updates_per_cycle as f64;
     let mut watch = Stopwatch::default();

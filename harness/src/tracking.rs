@@ -85,6 +85,7 @@ fn scalars(record: &Record, teaching: &Teaching, timing: &Timing) -> Vec<(String
         ("time/wall_s".to_owned(), timing.wall_s),
         ("time/evaluation_s".to_owned(), timing.evaluation_s),
     ];
+    scalars.extend(record.any_success_rate.map(|rate| ("evaluation/any_success_rate".to_owned(), rate)));
     if !teaching.successes.is_empty() {
         let successes = teaching.successes.iter().filter(|&&success| success).count();
         let rate = successes as f64 / teaching.successes.len() as f64;

@@ -23,6 +23,8 @@ struct Episode {
     start: Vec<f64>,
     /// As drawn; teachers replace it later.
     goal: Vec<f64>,
+    /// What it was replaced by.
+    set: Option<Vec<f64>>,
     /// Every achieved goal after the start.
     path: Vec<Vec<f64>>,
 }
@@ -54,12 +56,13 @@ impl GoalEnv for Noted {
         let goal = self.point.goal().to_vec();
         EPISODES.with_borrow_mut(|episodes| {
             self.episode = episodes.len();
-            episodes.push(Episode { stream: rng.get_seed(), start, goal, path: Vec::new() });
+            episodes.push(Episode { stream: rng.get_seed(), start, goal, set: None, path: Vec::new() });
         });
         Ok(())
     }
 
     fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError> {
+        EPISODES.with_borrow_mut(|episodes| episodes[self.episode].set = Some(goal.to_vec()));
         self.point.set_goal(goal)
     }
 
@@ -121,6 +124,11 @@ const EPISODES_EACH: usize = 3;
 
 /// Every episode of a small run with `curriculum`.
 fn episodes(curriculum: &str) -> Vec<Episode> {
+    episodes_of(curriculum, SEED, &[])
+}
+
+/// The same of the run with `seed`, with further settings.
+fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
     agents::prepare_thread();
     let spec = Spec { id: "Noted", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
     let registry =
@@ -135,13 +143,14 @@ fn episodes(curriculum: &str) -> Vec<Episode> {
         "evaluation.episodes=3",
         "pool.size=20",
     ];
-    let layers = settings.map(|set| Layer::from_set(set).expect("an assignment"));
+    let layers: Vec<Layer> =
+        settings.iter().chain(more).map(|set| Layer::from_set(set).expect("an assignment")).collect();
     let config = config::resolve(&registry, &spec, &method, &layers).expect("a valid config");
     let key = RunKey {
         environment: spec.id.into(),
         curriculum: curriculum.into(),
         variant: "default".into(),
-        seed: SEED,
+        seed,
     };
     EPISODES.with_borrow_mut(Vec::clear);
     Trainer::new(&registry, key, config).expect("a run").run(&mut Nobody).expect("it ends well");
@@ -150,7 +159,12 @@ fn episodes(curriculum: &str) -> Vec<Episode> {
 
 /// Those drawn from the stream of `purpose`.
 fn of(episodes: &[Episode], purpose: Purpose) -> Vec<Episode> {
-    let seed = stream(SEED, purpose).get_seed();
+    drawn_from(episodes, SEED, purpose)
+}
+
+/// Those drawn from the stream of `seed` and `purpose`.
+fn drawn_from(episodes: &[Episode], seed: u64, purpose: Purpose) -> Vec<Episode> {
+    let seed = stream(seed, purpose).get_seed();
     episodes.iter().filter(|episode| episode.stream == seed).cloned().collect()
 }
 
@@ -179,4 +193,57 @@ fn two_curricula_share_everything_that_is_not_theirs() {
     let [a, b] =
         [&teach, &pool].map(|all| of(all, Purpose::Environment).iter().map(drawn).collect::<Vec<_>>());
     assert!(a.len() == 20 && a == b, "starts of training episodes, and the goals that teachers replace");
+}
+
+#[test]
+fn goals_of_evaluations_come_from_the_one_pool_of_all_methods_on_request() {
+    let [teach, iid] = ["teach", "her-iid"].map(|id| episodes_of(id, SEED, &["evaluation.goals=pool"]));
+    let goals = |all: &[Episode], index| -> Vec<Vec<f64>> {
+        of(all, Purpose::Evaluation(index))
+            .into_iter()
+            .map(|one| one.set.expect("a goal of the pool"))
+            .collect()
+    };
+    let [mut pool, of_iid] = [&teach, &iid]
+        .map(|all| of(all, Purpose::Pool).into_iter().map(|episode| episode.goal).collect::<Vec<_>>());
+    assert_eq!(pool, of_iid, "drawn for a method that does not choose from it, too");
+    pool.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut asked: Vec<Vec<f64>> = Vec::new();
+    for index in 0..=STEPS / 80 {
+        let of_teach = goals(&teach, index);
+        assert_eq!(of_teach.len(), EPISODES_EACH);
+        assert_eq!(of_teach, goals(&iid, index), "evaluation {index}");
+        asked.extend(of_teach);
+    }
+    assert!(asked.iter().all(|goal| pool.contains(goal)), "{asked:?}");
+    asked.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    asked.dedup();
+    assert!(asked.len() > 5, "only {} of 18 draws from 20 goals differ", asked.len());
+    // HER-IID trains on goals of the environment as ever, and by default is evaluated on them.
+    assert!(of(&iid, Purpose::Environment).iter().all(|episode| episode.set.is_none()));
+    assert!(episodes("her-iid").iter().all(|episode| episode.set.is_none()));
+}
+
+#[test]
+fn the_seed_of_one_stream_can_be_held_while_the_run_varies() {
+    let pool_of = |seed, held| {
+        let more: &[&str] = if held { &["seed.pool=3"] } else { &[] };
+        let all = episodes_of("teach", seed, more);
+        let drawn = |seed, purpose| drawn_from(&all, seed, purpose);
+        (drawn(3, Purpose::Pool), drawn(seed, Purpose::Pool), drawn(seed, Purpose::Environment))
+    };
+    let ((held, own, starts), (other_held, _, other_starts)) = (pool_of(SEED, true), pool_of(SEED + 1, true));
+    assert!(held.len() >= 20 && own.is_empty(), "the pool is that of seed 3");
+    let goals = |all: &[Episode]| all.iter().map(|episode| episode.goal.clone()).collect::<Vec<_>>();
+    assert_eq!(goals(&held), goals(&other_held), "one pool for both runs");
+    assert_ne!(goals(&starts), goals(&other_starts), "all else follows the run's seed");
+    // The same weights: both runs' untrained students act alike from the same evaluation episodes.
+    let first = |seed, more: &[&str]| {
+        let all = episodes_of("her-iid", seed, more);
+        drawn_from(&all, 5, Purpose::Evaluation(0)).into_iter().map(|one| one.path).collect::<Vec<_>>()
+    };
+    let both = &["seed.evaluation=5", "seed.weights=5"];
+    assert_eq!(first(SEED, both), first(SEED + 1, both));
+    assert_ne!(first(SEED, &["seed.evaluation=5"]), first(SEED + 1, &["seed.evaluation=5"]));
+    assert_eq!(pool_of(SEED, false).0, [], "unless it is held, the pool is the run's");
 }

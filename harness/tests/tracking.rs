@@ -69,6 +69,10 @@ fn tensorboard_reads_what_the_records_say() {
     let run = "Point/teach/default/seed-0";
     let lines = [
         format!("{run} evaluation/success_rate {}\n", series(|record| record.success_rate)),
+        format!(
+            "{run} evaluation/any_success_rate {}\n",
+            series(|record| record.any_success_rate.expect("recorded"))
+        ),
         format!("{run} evaluation/mean_return {}\n", series(|record| record.mean_return)),
         format!("{run} student/gradient_steps {}\n", series(|record| record.gradient_steps as f64)),
         format!(

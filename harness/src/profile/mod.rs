@@ -47,6 +47,8 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Pro
     let mut config = run.config.clone();
     config.budget.steps = size.steps;
     config.evaluation.every = size.steps;
+    // Nothing is learned in a warm-up; what is measured here comes after it.
+    config.student.warmup_episodes = 0;
 
     agents::prepare_thread();
     let products = Products::new(student, spec).map_err(|error| broken(error.into()))?;

@@ -149,7 +149,9 @@ mod tests {
         let mut ranks = Ranks::default();
         assert!(ranks.mean().is_nan());
         // A set of one says nothing; the last of 5 and the second of 3.
-        [(0, 1), (4, 5), (1, 3)].map(|(place, of)| ranks.push(Rank { place, of }));
+        for (place, of) in [(0, 1), (4, 5), (1, 3)] {
+            ranks.push(Rank { place, of });
+        }
         assert_eq!(ranks.mean(), 0.75);
     }
 }
