@@ -68,6 +68,12 @@ static RECORDS: &[Column] = &[
     column("eval_index", "u64", "index of the evaluation; 0 is the untrained student"),
     column("episodes", "u64", "episodes in this evaluation"),
     column("success_rate", "f64", "share of them that ended in success, in [0, 1]"),
+    column(
+        "any_success_rate",
+        "f64",
+        "share of them that were successful after at least one of their actions; empty where the run is older than the \
+         field",
+    ),
     column("mean_return", "f64", "mean over episodes of the sum of rewards, in [-H, 0]"),
     column("gradient_steps", "u64", "gradient steps taken by the student"),
     column("teacher.NAME", "f64", "number that the teacher recorded; empty where it is not defined"),
@@ -111,7 +117,12 @@ static SUMMARY: &[Column] = &[
     SEEDS,
     column("final_mean", "f64", "mean over seeds of the final success"),
     column("final_std", "f64", "its standard deviation over seeds, ddof = 1; empty for one seed"),
-    column("final_iqm", "f64", "its interquartile mean over seeds"),
+    column(
+        "final_any_mean",
+        "f64",
+        "mean over seeds of the final success at any step of an episode; empty where a seed has no record of it",
+    ),
+    column("final_iqm", "f64", "interquartile mean over seeds of the final success"),
     column("final_ci_low", "f64", "lower end of the bootstrap interval of final_iqm; empty for one seed"),
     column("final_ci_high", "f64", "its upper end"),
     column(

@@ -360,6 +360,7 @@ impl Trainer {
             eval_index: self.evaluations,
             episodes,
             success_rate: score.success_rate,
+            any_success_rate: None,
             mean_return: score.mean_return,
             gradient_steps: self.agent.gradient_steps(),
             // A number that is not finite has no JSON form and becomes null: "not defined yet".

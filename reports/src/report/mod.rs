@@ -89,7 +89,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
     let groups = Groups::of(&store, options);
     let analysis = Analysis::of(results, &groups, options);
     // The problems of all files, for the report and for the caller.
-    let mut problems = [store.problems(), &analysis.heat_problems].concat();
+    let mut problems = [store.problems(), &analysis.heat.problems].concat();
     problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
     let tables = Tables::of(&store, &groups, &analysis, options);
     let missing = tables::missing(&groups, &analysis, options);

@@ -134,8 +134,9 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
         }
     }
     for maze in &options.mazes {
-        let drawn =
-            |key: &GroupKey| analysis.heat.iter().flat_map(|heat| &heat.maps).any(|map| map.key == *key);
+        let drawn = |key: &GroupKey| {
+            analysis.heat.mazes.iter().flat_map(|heat| &heat.maps).any(|map| map.key == *key)
+        };
         for group in groups.compared_groups() {
             let key = &group.key;
             if key.environment == maze.id && !drawn(key) {
@@ -145,6 +146,8 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
             }
         }
     }
+    lacking.extend(missing::any_success(&groups.all));
+    lacking.extend(missing::picks(analysis.heat.without_picks, analysis.heat.runs));
     let silent = analysis.rows.iter().filter(|row| {
         row.cost.wall_hours.is_some()
             && (row.cost.teacher_hours.is_none() || row.cost.learning_hours.is_none())

@@ -18,6 +18,9 @@ fn teaching(eval_index: u64) -> Teaching {
         goals: vec![vec![-0.5, 0.5], vec![0.5, 0.5]],
         successes: vec![true, false],
         weights: Some(vec![0.25, 0.75]),
+        picks: Some(vec![Some(1), None]),
+        scores: Some(vec![Some(0.5), None]),
+        ranks: Some(vec![Some(0), None]),
     }
 }
 
@@ -42,19 +45,35 @@ fn sound_lines_are_read_by_rising_evaluation() {
 fn each_damaged_line_is_named() {
     let short = Teaching { successes: vec![true], ..teaching(2) };
     let uneven = Teaching { goals: vec![vec![0.0, 0.0], vec![0.0]], ..teaching(3) };
-    let heavy = Teaching { weights: Some(vec![1.5]), ..teaching(4) };
-    let content =
-        line(&teaching(1)) + &line(&short) + &line(&uneven) + &line(&heavy) + &line(&teaching(1)) + "{\"ev";
+    let heavy = Teaching { weights: Some(vec![0.5, 1.5]), ..teaching(4) };
+    let few = Teaching { picks: Some(vec![None]), ..teaching(5) };
+    let many = Teaching { ranks: Some(vec![None; 3]), ..teaching(6) };
+    let beyond = Teaching { picks: Some(vec![Some(2), None]), ..teaching(7) };
+    let scored = Teaching { scores: Some(vec![None; 3]), ..teaching(8) };
+    let damaged = [&short, &uneven, &heavy, &few, &many, &beyond, &scored].map(line).concat();
+    let content = line(&teaching(1)) + &damaged + &line(&teaching(1)) + "{\"ev";
     let (lines, problems) = read(&content);
     assert_eq!(lines, [teaching(1)]);
     let expected = [
-        "6: incomplete last line (4 bytes without a newline), ignored",
+        "10: incomplete last line (4 bytes without a newline), ignored",
         "2: successes is 1 long, line ignored; expected as many entries as goals",
         "3: goals is [0.0], line ignored; expected goals of finite numbers, all of one length",
         "4: weights is 1.5, line ignored; expected numbers in [0, 1]",
-        "5: evaluation 1 again, ignored; line 1 has it",
+        "5: picks is 1 long, line ignored; expected as many entries as goals",
+        "6: ranks is 3 long, line ignored; expected as many entries as goals",
+        "7: picks is 2, line ignored; expected indices below the number of weights",
+        "8: scores is 3 long, line ignored; expected as many entries as goals",
+        "9: evaluation 1 again, ignored; line 1 has it",
     ];
     assert_eq!(problems, expected.map(|text| format!("runs/M/teach/default/seed-0/teaching.jsonl:{text}")));
+}
+
+#[test]
+fn lines_older_than_a_field_are_read() {
+    let new = line(&teaching(1));
+    let (old, _) = new.split_once(",\"picks\"").unwrap();
+    let expected = Teaching { picks: None, scores: None, ranks: None, ..teaching(1) };
+    assert_eq!(read(&format!("{old}}}\n")), (vec![expected], vec![]));
 }
 
 fn report(results: &Path) -> report::Written {
@@ -67,6 +86,8 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let results = TempDir::new().unwrap();
     let folder = write_run(results.path(), &key("M", "teach", "default", 0), &[0.0, 0.5]);
     let heat = layout::report_dir(results.path()).join("figures/heat-M.svg");
+    let silent =
+        "which goals of the pool were picked: 1 of 1 runs have no record of it (older than the field)";
     let without = report(results.path());
     assert!(!heat.exists());
     let lacks = |written: &report::Written, method: &str| {
@@ -79,6 +100,11 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let with = report(results.path());
     assert!(heat.is_file());
     assert!(lacks(&with, "VDS") && !lacks(&with, "TEACH"), "{:?}", with.missing);
+    assert!(!with.missing.iter().any(|text| text == silent), "{:?}", with.missing);
     assert_eq!(with.problems.len(), 1);
     assert_eq!(with.problems[0].line, Some(2));
+    let old = Teaching { picks: None, ..teaching(1) };
+    fs::write(folder.join(layout::TEACHING), line(&old)).unwrap();
+    let old = report(results.path());
+    assert!(old.missing.iter().any(|text| text == silent), "{:?}", old.missing);
 }
