@@ -48,6 +48,7 @@ pub static FILES: &[Data] = &[
     Data { name: "runs", parquet: true, row: "run", columns: RUNS },
     Data { name: "summary", parquet: false, row: "environment, curriculum and variant", columns: SUMMARY },
     Data { name: "costs", parquet: false, row: "environment, curriculum and variant", columns: COSTS },
+    Data { name: "teaching", parquet: false, row: "environment, curriculum and variant", columns: TEACHING },
     Data {
         name: "aggregates",
         parquet: false,
@@ -153,6 +154,31 @@ static COSTS: &[Column] = &[
     column("teacher_hours", "f64", "hours of it spent in the teacher; empty where timings do not tell"),
     column("learning_hours", "f64", "hours of it spent in the student's gradient steps; likewise"),
     column("evaluation_hours", "f64", "hours of it spent in evaluations"),
+];
+
+static TEACHING: &[Column] = &[
+    ENVIRONMENT,
+    CURRICULUM,
+    VARIANT,
+    SEEDS,
+    column(
+        "picked_goals",
+        "f64",
+        "distinct goals of the pool picked since the evaluation before, mean over evaluations and seeds; empty, as are \
+         the following, where no teacher records it",
+    ),
+    column("effective_picks", "f64", "exponential of the entropy of the picks since then; likewise"),
+    column("effective_goals", "f64", "exponential of the entropy of the curriculum; likewise"),
+    column(
+        "pick_rank_mean",
+        "f64",
+        "mean over episodes of the goal's rank (0 for the first) over the highest rank, 0.5 for fair turns; likewise",
+    ),
+    column(
+        "score_success_correlation",
+        "f64",
+        "correlation over episodes of the teacher's score of the goal with success at it; likewise",
+    ),
 ];
 
 static AGGREGATES: &[Column] = &[

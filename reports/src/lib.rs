@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! runs/ --Store::read--> runs --groups--> one group per curve --Curve::of-------> learning curves, ablations
-//!                                                             --Row::of---------> summary table
+//!                                                             --Row::of---------> summary, what teachers picked
 //!                                      --comparable--> groups --Finals::of------> comparisons, sums over environments
 //!                                                             --ledger----------> verdicts on the paper's claims
 //!       --store::teaching--> what teachers did                --HeatMap::of-----> heat maps of mazes
@@ -46,5 +46,6 @@ pub mod store;
 pub mod summary;
 pub mod synthetic;
 pub mod table;
+pub mod teaching;
 
 pub use error::ReportError;

@@ -45,6 +45,8 @@ pub struct Page<'a> {
     pub summary: &'a Table,
     /// What training took, with the same first column.
     pub costs: &'a Table,
+    /// What teachers picked, with the same first column.
+    pub teaching: Option<&'a Table>,
     /// Single runs, with the same first column.
     pub runs: &'a Table,
     /// Sums over environments.
@@ -69,6 +71,7 @@ impl Page<'_> {
         let mut sections = vec![
             ("results", "Results", self.overview()),
             ("costs", "What training took", self.costs.html()),
+            ("teaching", "What teachers picked", self.teaching.map(Table::html).unwrap_or_default()),
             ("ledger", "Claims of the paper", self.ledger.html()),
             ("across", "Across environments", self.across()),
             ("ablations", "Ablations", self.pictures(&Section::Ablations)),
@@ -135,7 +138,8 @@ impl Page<'_> {
     fn environment(&self, name: &str) -> String {
         let mut text = self.pictures(&Section::Environment(name.to_owned()));
         // Their captions stand below the tables of all environments.
-        let tables = [Some(self.summary), Some(self.costs), self.comparisons].into_iter().flatten();
+        let tables =
+            [Some(self.summary), Some(self.costs), self.teaching, self.comparisons].into_iter().flatten();
         for table in tables.map(|table| Table { caption: String::new(), ..table.part(name) }) {
             if !table.rows.is_empty() {
                 text += &table.html();

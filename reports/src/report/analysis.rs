@@ -20,6 +20,7 @@ use crate::ledger::{self, Entry};
 use crate::problem::Problem;
 use crate::store::{self, Store};
 use crate::summary::Row;
+use crate::teaching;
 
 /// Which groups there are, and which of them stand for their method. Everything else borrows from it.
 pub(super) struct Groups<'a> {
@@ -148,6 +149,8 @@ pub(super) struct MazeHeat<'a> {
 /// All results of all computations.
 pub(super) struct Analysis<'a> {
     pub(super) rows: Vec<Row>,
+    /// What teachers picked, for every group; empty where none of them tells.
+    pub(super) teaching: Vec<teaching::Row>,
     pub(super) across: Across<'a>,
     pub(super) comparisons: Vec<Comparison<'a>>,
     /// Ablations of every axis of [`AXES`], in its order.
@@ -160,8 +163,13 @@ impl<'a> Analysis<'a> {
     pub(super) fn of(results: &Path, groups: &'a Groups<'_>, options: &'a Options) -> Self {
         let Options { window, resampling, .. } = *options;
         let rows = groups.all.par_iter().filter_map(|group| Row::of(group, window, resampling)).collect();
+        let mut teaching: Vec<_> = groups.all.iter().map(teaching::Row::of).collect();
+        if !teaching.iter().any(teaching::Row::tells) {
+            teaching.clear();
+        }
         Self {
             rows,
+            teaching,
             across: Across::of(groups, options),
             comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
             ablations: AXES.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),

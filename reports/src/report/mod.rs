@@ -101,6 +101,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
         environments: &groups.environments(),
         summary: &tables.summary,
         costs: &tables.costs,
+        teaching: tables.teaching.as_ref(),
         runs: &tables.runs,
         aggregates: tables.aggregates.as_ref(),
         comparisons: tables.comparisons.as_ref(),
@@ -133,6 +134,7 @@ fn markdown(store: &Store, tables: &Tables, missing: &[String], problems: &[Prob
         text.push_str(&table.unwrap_or_default());
     };
     section("What training took", Some(&tables.costs));
+    section("What teachers picked", tables.teaching.as_ref());
     section("Claims of the paper", Some(&tables.ledger));
     section("Across environments", tables.aggregates.as_ref());
     section("Comparisons", tables.comparisons.as_ref());

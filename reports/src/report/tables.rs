@@ -17,6 +17,7 @@ use crate::{dictionary, methods, missing};
 pub(super) struct Tables {
     pub(super) summary: Table,
     pub(super) costs: Table,
+    pub(super) teaching: Option<Table>,
     /// Single runs; for the page and the data alone: it is long.
     pub(super) runs: Table,
     pub(super) aggregates: Option<Table>,
@@ -37,6 +38,7 @@ impl Tables {
         Self {
             summary: table::summary_table(&analysis.rows, window, resampling),
             costs: table::cost_table(&analysis.rows),
+            teaching: (!analysis.teaching.is_empty()).then(|| table::teaching_table(&analysis.teaching)),
             runs: table::run_table(store.runs(), window, resampling.confidence),
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
@@ -51,6 +53,7 @@ impl Tables {
         let all = [
             ("summary", Some(&self.summary)),
             ("costs", Some(&self.costs)),
+            ("teaching", self.teaching.as_ref()),
             ("aggregates", self.aggregates.as_ref()),
             ("comparisons", self.comparisons.as_ref()),
             ("ledger", Some(&self.ledger)),
@@ -84,6 +87,7 @@ pub(super) fn files(
     let frames = [
         ("summary.csv", table::summary_frame(&analysis.rows)?),
         ("costs.csv", table::cost_frame(&analysis.rows)?),
+        ("teaching.csv", table::teaching_frame(&analysis.teaching)?),
         ("aggregates.csv", table::aggregate_frame(&across.aggregates, across.environments.len())?),
         ("comparisons.csv", table::comparison_frame(&analysis.comparisons)?),
         ("ledger.csv", table::ledger_frame(&analysis.ledger)?),

@@ -11,6 +11,7 @@ mod ledger;
 mod markup;
 mod runs;
 mod summary;
+mod teaching;
 
 use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, ParquetWriter, SerWriter, Series};
 
@@ -24,6 +25,7 @@ pub(crate) use markup::markdown_escape;
 pub use markup::{Align, Table, html_escape};
 pub use runs::{run_frame, run_table};
 pub use summary::{summary_frame, summary_table};
+pub use teaching::{teaching_frame, teaching_table};
 
 use crate::error::ReportError;
 

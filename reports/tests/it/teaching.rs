@@ -76,6 +76,39 @@ fn lines_older_than_a_field_are_read() {
     assert_eq!(read(&format!("{old}}}\n")), (vec![expected], vec![]));
 }
 
+#[test]
+fn what_teachers_picked_is_a_table_where_they_tell() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    let write = |curriculum: &str, seed: u64, picked: [u64; 3]| {
+        let folder = write_run(path, &key("M", curriculum, "default", seed), &[0.0, 0.5, 0.5]);
+        let records = folder.join(layout::RECORDS);
+        let lines = fs::read_to_string(&records).unwrap();
+        let told = lines.lines().zip(picked).map(|(line, picked)| {
+            line.replace("\"undefined\":null", &format!("\"picked_goals\":{picked},\"pick_rank_mean\":null"))
+                + "\n"
+        });
+        fs::write(&records, told.collect::<String>()).unwrap();
+    };
+    write_run(path, &key("M", "her-iid", "default", 0), &[0.0, 0.5, 0.5]);
+    let table = layout::report_dir(path).join("tables/teaching.tex");
+    report::write(path, &Options::default()).unwrap();
+    assert!(!table.exists(), "no teacher tells anything");
+    write("space", 0, [900, 10, 20]);
+    write("space", 1, [900, 40, 50]);
+    report::write(path, &Options::default()).unwrap();
+    assert!(table.is_file());
+    let csv = fs::read_to_string(layout::report_dir(path).join("teaching.csv")).unwrap();
+    let expected = "environment,curriculum,variant,n_seeds,picked_goals,effective_picks,effective_goals,pick_rank_mean,\
+                    score_success_correlation\nM,space,default,2,30.0,,,,\nM,her-iid,default,1,,,,,\n";
+    // Over evaluations 1 and 2 of two seeds: (15 + 45) / 2.
+    assert_eq!(csv, expected);
+    let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
+    let (_, section) = summary.split_once("## What teachers picked").unwrap();
+    assert!(section.contains("| M | SPaCE | default | 30.0 | – | – | – | – |"), "{section}");
+    assert!(section.contains("0.5 where every rank has its fair share of turns"));
+}
+
 fn report(results: &Path) -> report::Written {
     let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
     report::write(results, &Options { mazes: vec![maze], ..Options::default() }).unwrap()
