@@ -57,6 +57,7 @@ pub static FILES: &[Data] = &[
     },
     Data { name: "comparisons", parquet: false, row: "method and its reference", columns: COMPARISONS },
     Data { name: "ledger", parquet: false, row: "claim of the paper", columns: LEDGER },
+    Data { name: "readings", parquet: false, row: "claim and reading of the paper", columns: READINGS },
     Data { name: "environments", parquet: false, row: "environment", columns: ENVIRONMENTS },
 ];
 
@@ -255,6 +256,37 @@ static LEDGER: &[Column] = &[
     column("runs_left_out", "u64", "runs that are not finished or were evaluated at other steps"),
     column("evidence", "string", "all effects in words, or what is missing"),
     column("rule", "string", "when the claim counts as confirmed or refuted"),
+];
+
+static READINGS: &[Column] = &[
+    column("claim", "string", "short name, as in the ledger"),
+    column("reading", "u64", "number of the reading, the same for all claims"),
+    column(
+        "settings",
+        "string",
+        "the settings that the reading is named by, and in parentheses those that gave the same runs",
+    ),
+    column("verdict", "string", "`confirmed`, `refuted` or `undecided`, by the ledger's rule"),
+    column("effect", "f64", "difference of success rates under this reading, mean over environments"),
+    column(
+        "ci_low",
+        "f64",
+        "lower end of the interval that the sign-flip test does not refuse; empty for too few pairs",
+    ),
+    column("ci_high", "f64", "its upper end"),
+    column(
+        "confidence",
+        "f64",
+        "coverage of that interval after Bonferroni's correction for the claim's readings",
+    ),
+    column("p", "f64", "two-sided p-value of the sign-flip test of no difference, uncorrected"),
+    column("environments", "u64", "environments with enough pairs"),
+    column("environments_ahead", "u64", "those of them where the mean difference is above 0"),
+    column("environments_behind", "u64", "those of them where it is below 0"),
+    column("pairs", "u64", "pairs of runs with the same seed in them"),
+    column("runs_left_out", "u64", "runs that are not finished or were evaluated at other steps"),
+    column("evidence", "string", "what the verdict rests on, or what is missing for one"),
+    column("conclusion", "string", "whether the claim's verdict is the same under all readings"),
 ];
 
 static ENVIRONMENTS: &[Column] = &[

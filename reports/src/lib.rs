@@ -8,6 +8,7 @@
 //!                                                             --Row::of---------> summary, what teachers picked
 //!                                      --comparable--> groups --Finals::of------> comparisons, sums over environments
 //!                                                             --ledger----------> verdicts on the paper's claims
+//!                                                             --Readings::of----> the same under every reading of it
 //!       --store::teaching--> what teachers did                --HeatMap::of-----> heat maps of mazes
 //! ```
 //!
@@ -38,6 +39,7 @@ pub mod missing;
 pub mod page;
 pub mod paper;
 pub mod problem;
+pub mod readings;
 pub mod record;
 pub mod report;
 pub mod scores;

@@ -55,6 +55,8 @@ pub struct Page<'a> {
     pub comparisons: Option<&'a Table>,
     /// The paper's claims.
     pub ledger: &'a Table,
+    /// The paper's claims under every reading of it.
+    pub readings: Option<&'a Table>,
     /// Dimensions of environments.
     pub dimensions: Option<&'a Table>,
     /// Known deviations from the paper.
@@ -62,6 +64,9 @@ pub struct Page<'a> {
     /// What the report lacks.
     pub missing: &'a [String],
 }
+
+/// Title of the section of readings.
+pub const READINGS: &str = "Does a claim's verdict hang on the reading?";
 
 const STYLE: &str = include_str!("style.css");
 
@@ -73,6 +78,7 @@ impl Page<'_> {
             ("costs", "What training took", self.costs.html()),
             ("teaching", "What teachers picked", self.teaching.map(Table::html).unwrap_or_default()),
             ("ledger", "Claims of the paper", self.ledger.html()),
+            ("readings", READINGS, self.readings.map(Table::html).unwrap_or_default()),
             ("across", "Across environments", self.across()),
             ("ablations", "Ablations", self.pictures(&Section::Ablations)),
         ];

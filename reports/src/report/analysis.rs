@@ -18,6 +18,7 @@ use crate::heat::HeatMap;
 use crate::improvement::{self, Improvement};
 use crate::ledger::{self, Entry};
 use crate::problem::Problem;
+use crate::readings::Readings;
 use crate::store::{self, Store};
 use crate::summary::Row;
 use crate::teaching;
@@ -156,6 +157,8 @@ pub(super) struct Analysis<'a> {
     /// Ablations of every axis of [`AXES`], in its order.
     pub(super) ablations: Vec<Vec<Ablation<'a>>>,
     pub(super) ledger: Vec<Entry>,
+    /// The ledger's claims about baselines under every reading of the paper; empty for fewer than two.
+    pub(super) readings: Readings,
     pub(super) heat: Heat<'a>,
 }
 
@@ -174,6 +177,7 @@ impl<'a> Analysis<'a> {
             comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
             ablations: AXES.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
             ledger: ledger::ledger(&groups.all, window, resampling),
+            readings: Readings::of(&groups.all, window, resampling),
             heat: heat(results, groups, options),
         }
     }

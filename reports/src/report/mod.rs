@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::environment::{EnvironmentInfo, MazeInfo};
 use crate::error::ReportError;
 use crate::layout;
-use crate::page::Page;
+use crate::page::{Page, READINGS};
 use crate::problem::Problem;
 use crate::stats::Resampling;
 use crate::store::Store;
@@ -106,6 +106,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
         aggregates: tables.aggregates.as_ref(),
         comparisons: tables.comparisons.as_ref(),
         ledger: &tables.ledger,
+        readings: tables.readings.as_ref(),
         dimensions: tables.dimensions.as_ref(),
         deviations: &tables.deviations,
         missing: &missing,
@@ -136,6 +137,7 @@ fn markdown(store: &Store, tables: &Tables, missing: &[String], problems: &[Prob
     section("What training took", Some(&tables.costs));
     section("What teachers picked", tables.teaching.as_ref());
     section("Claims of the paper", Some(&tables.ledger));
+    section(READINGS, tables.readings.as_ref());
     section("Across environments", tables.aggregates.as_ref());
     section("Comparisons", tables.comparisons.as_ref());
     section("Dimensions of the environments", tables.dimensions.as_ref());

@@ -23,6 +23,7 @@ pub(super) struct Tables {
     pub(super) aggregates: Option<Table>,
     pub(super) comparisons: Option<Table>,
     pub(super) ledger: Table,
+    pub(super) readings: Option<Table>,
     pub(super) dimensions: Option<Table>,
     pub(super) deviations: Table,
 }
@@ -43,6 +44,8 @@ impl Tables {
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
             ledger: table::ledger_table(&analysis.ledger, window, resampling),
+            readings: (!analysis.readings.claims.is_empty())
+                .then(|| table::readings_table(&analysis.readings, window, resampling)),
             deviations: table::deviation_table(),
             dimensions: (!dimensions.is_empty()).then(|| table::environment_table(&dimensions)),
         }
@@ -57,6 +60,7 @@ impl Tables {
             ("aggregates", self.aggregates.as_ref()),
             ("comparisons", self.comparisons.as_ref()),
             ("ledger", Some(&self.ledger)),
+            ("readings", self.readings.as_ref()),
             ("environments", self.dimensions.as_ref()),
             ("deviations", Some(&self.deviations)),
         ];
@@ -91,6 +95,7 @@ pub(super) fn files(
         ("aggregates.csv", table::aggregate_frame(&across.aggregates, across.environments.len())?),
         ("comparisons.csv", table::comparison_frame(&analysis.comparisons)?),
         ("ledger.csv", table::ledger_frame(&analysis.ledger)?),
+        ("readings.csv", table::readings_frame(&analysis.readings)?),
         ("environments.csv", table::environment_frame(&dimensions(groups, options))?),
     ];
     for (name, frame) in frames {

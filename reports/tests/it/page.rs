@@ -31,6 +31,7 @@ fn the_page_needs_nothing_else_and_escapes_names() {
         "results",
         "teaching",
         "ledger",
+        "readings",
         "ablations",
         "comparisons",
         "dimensions",

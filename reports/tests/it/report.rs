@@ -85,6 +85,7 @@ fn all_files_are_written_and_returned() {
         "files.txt",
         "index.html",
         "ledger.csv",
+        "readings.csv",
         "records.csv",
         "records.parquet",
         "runs.csv",
