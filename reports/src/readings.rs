@@ -100,7 +100,7 @@ pub struct Readings {
     pub readings: Vec<Reading>,
     /// The environments that all of them were run in.
     pub environments: Vec<String>,
-    /// Environments with fewer readings, which no verdict rests on.
+    /// Environments that lack some of them, which no verdict rests on.
     pub left_out: Vec<String>,
     /// Every claim about a baseline that two readings or more can be set against.
     pub claims: Vec<Claim>,

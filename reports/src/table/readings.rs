@@ -80,7 +80,7 @@ fn caption(readings: &Readings, window: usize, resampling: Resampling) -> String
     let left_out = if readings.left_out.is_empty() {
         String::new()
     } else {
-        format!(" Left out, for they have fewer readings: {}.", readings.left_out.join(", "))
+        format!(" Left out, for they lack some of these readings: {}.", readings.left_out.join(", "))
     };
     format!(
         "The claims about baselines under every reading of the paper that TEACH was run with, from the environments that \
