@@ -21,12 +21,13 @@ pub struct Axis {
     pub reference: &'static str,
 }
 
-/// Whose confidence the teacher asks.
+/// Whose confidence the teacher asks: the online networks (`online`), the target critic about the online policy's
+/// actions (`target-critic`, which section 5.4 and Eq. 12 speak of), or target critic and target policy (`target`).
 pub static CONFIDENCE: Axis = Axis {
     id: "confidence",
     figure: 3,
     pointer: "/curriculum/teach/confidence",
-    title: "confidence of online or of target networks",
+    title: "confidence of online networks, or smoothed by target networks",
     symbol: "confidence",
     reference: "online",
 };

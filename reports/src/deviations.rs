@@ -24,9 +24,23 @@ pub static DEVIATIONS: &[Deviation] = &[
         "the public HER configuration of OpenAI Baselines, with one environment worker",
     ),
     row(
+        "Input normalisers",
+        "not described",
+        "running means and standard deviations that begin with one pseudo-observation of 0, as in OpenAI Baselines",
+    ),
+    row(
         "States of the confidence score",
-        "the mean over states drawn from D, without saying which or how many",
-        "the start state of the coming episode; replayed states are a setting",
+        "the mean over D, the replay buffer's state distribution (said after Eq. 6), without saying over how many states",
+        "8 reference states, drawn from the replay buffer and held, so that a window never compares values of different \
+         states; renewed every 100 evaluations with a hand-over, during which both sets are measured; fresh draws \
+         (`replay`) and the start of the coming episode (`initial`) are settings",
+    ),
+    row("Range of the confidence score", "Eq. 7 sets no bounds", "TEACH's confidence is not clipped"),
+    row(
+        "Smoothed confidence",
+        "section 5.4 and Eq. 12 speak of a smoothed value function, not of a smoothed policy",
+        "the target critic about the online policy's actions (`target-critic`); target critic and target policy \
+         (`target`) are a setting",
     ),
     row(
         "Choice of the goal",
@@ -35,13 +49,26 @@ pub static DEVIATIONS: &[Deviation] = &[
     ),
     row(
         "One timestep of the window",
-        "not defined",
-        "one evaluation of the pool, every Δ episodes, skipped while the networks have not changed",
+        "the sum of Eq. 8 runs over Algorithm 2's own time, where Δ only says when the curriculum is computed anew",
+        "a value is recorded whenever the networks have changed, once per cycle of two episodes, and Δ says how often the \
+         curriculum is computed anew from the last n values; to record only when Δ is due (`record = evaluation`) is a \
+         setting. With steps of the environment taken literally the student's networks would stand still within a window",
     ),
     row(
         "SPaCE's growth of the goal set",
         "reads as if the set grew with progress",
         "the set grows when progress stagnates, as in SPaCE's paper and code",
+    ),
+    row(
+        "SPaCE's updates",
+        "not described",
+        "the set is updated every 2048 environment steps; until then its goals take turns",
+    ),
+    row(
+        "ProCuRL's tasks",
+        "a geometric mean of the value function over goals, without saying at which states",
+        "a start with its goal, as in ProCuRL's paper: confidence is asked anew for every start; the states of TEACH are a \
+         setting",
     ),
     row(
         "Hyper-parameters of baselines",
@@ -66,9 +93,15 @@ pub static DEVIATIONS: &[Deviation] = &[
     ),
     row(
         "Evaluation",
-        "not described in detail",
-        "20 episodes with the greedy online policy, success at the last step; goals and starts depend on environment, \
-         seed and evaluation alone",
+        "20 episodes, each with a random goal; nothing of starts, of exploration or of when in an episode success counts",
+        "20 episodes with the greedy online policy, success at the last step, and success at any step beside it; goals and \
+         starts depend on environment, seed and evaluation alone",
+    ),
+    row(
+        "Goals of evaluations",
+        "sampled at random from the goal space, which section 5.2 says consists of N goals: from all that the environment \
+         knows, or from the pool",
+        "the environment's own distribution; the pool is a setting (`evaluation.goals`)",
     ),
     row(
         "Spread",

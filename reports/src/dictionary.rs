@@ -48,6 +48,7 @@ pub static FILES: &[Data] = &[
     Data { name: "runs", parquet: true, row: "run", columns: RUNS },
     Data { name: "summary", parquet: false, row: "environment, curriculum and variant", columns: SUMMARY },
     Data { name: "costs", parquet: false, row: "environment, curriculum and variant", columns: COSTS },
+    Data { name: "teaching", parquet: false, row: "environment, curriculum and variant", columns: TEACHING },
     Data {
         name: "aggregates",
         parquet: false,
@@ -56,6 +57,7 @@ pub static FILES: &[Data] = &[
     },
     Data { name: "comparisons", parquet: false, row: "method and its reference", columns: COMPARISONS },
     Data { name: "ledger", parquet: false, row: "claim of the paper", columns: LEDGER },
+    Data { name: "readings", parquet: false, row: "claim and reading of the paper", columns: READINGS },
     Data { name: "environments", parquet: false, row: "environment", columns: ENVIRONMENTS },
 ];
 
@@ -68,6 +70,12 @@ static RECORDS: &[Column] = &[
     column("eval_index", "u64", "index of the evaluation; 0 is the untrained student"),
     column("episodes", "u64", "episodes in this evaluation"),
     column("success_rate", "f64", "share of them that ended in success, in [0, 1]"),
+    column(
+        "any_success_rate",
+        "f64",
+        "share of them that were successful after at least one of their actions; empty where the run is older than the \
+         field",
+    ),
     column("mean_return", "f64", "mean over episodes of the sum of rewards, in [-H, 0]"),
     column("gradient_steps", "u64", "gradient steps taken by the student"),
     column("teacher.NAME", "f64", "number that the teacher recorded; empty where it is not defined"),
@@ -111,7 +119,12 @@ static SUMMARY: &[Column] = &[
     SEEDS,
     column("final_mean", "f64", "mean over seeds of the final success"),
     column("final_std", "f64", "its standard deviation over seeds, ddof = 1; empty for one seed"),
-    column("final_iqm", "f64", "its interquartile mean over seeds"),
+    column(
+        "final_any_mean",
+        "f64",
+        "mean over seeds of the final success at any step of an episode; empty where a seed has no record of it",
+    ),
+    column("final_iqm", "f64", "interquartile mean over seeds of the final success"),
     column("final_ci_low", "f64", "lower end of the bootstrap interval of final_iqm; empty for one seed"),
     column("final_ci_high", "f64", "its upper end"),
     column(
@@ -142,6 +155,31 @@ static COSTS: &[Column] = &[
     column("teacher_hours", "f64", "hours of it spent in the teacher; empty where timings do not tell"),
     column("learning_hours", "f64", "hours of it spent in the student's gradient steps; likewise"),
     column("evaluation_hours", "f64", "hours of it spent in evaluations"),
+];
+
+static TEACHING: &[Column] = &[
+    ENVIRONMENT,
+    CURRICULUM,
+    VARIANT,
+    SEEDS,
+    column(
+        "picked_goals",
+        "f64",
+        "distinct goals of the pool picked since the evaluation before, mean over evaluations and seeds; empty, as are \
+         the following, where no teacher records it",
+    ),
+    column("effective_picks", "f64", "exponential of the entropy of the picks since then; likewise"),
+    column("effective_goals", "f64", "exponential of the entropy of the curriculum; likewise"),
+    column(
+        "pick_rank_mean",
+        "f64",
+        "mean over episodes of the goal's rank (0 for the first) over the highest rank, 0.5 for fair turns; likewise",
+    ),
+    column(
+        "score_success_correlation",
+        "f64",
+        "correlation over episodes of the teacher's score of the goal with success at it; likewise",
+    ),
 ];
 
 static AGGREGATES: &[Column] = &[
@@ -218,6 +256,37 @@ static LEDGER: &[Column] = &[
     column("runs_left_out", "u64", "runs that are not finished or were evaluated at other steps"),
     column("evidence", "string", "all effects in words, or what is missing"),
     column("rule", "string", "when the claim counts as confirmed or refuted"),
+];
+
+static READINGS: &[Column] = &[
+    column("claim", "string", "short name, as in the ledger"),
+    column("reading", "u64", "number of the reading, the same for all claims"),
+    column(
+        "settings",
+        "string",
+        "the settings that the reading is named by, and in parentheses those that gave the same runs",
+    ),
+    column("verdict", "string", "`confirmed`, `refuted` or `undecided`, by the ledger's rule"),
+    column("effect", "f64", "difference of success rates under this reading, mean over environments"),
+    column(
+        "ci_low",
+        "f64",
+        "lower end of the interval that the sign-flip test does not refuse; empty for too few pairs",
+    ),
+    column("ci_high", "f64", "its upper end"),
+    column(
+        "confidence",
+        "f64",
+        "coverage of that interval after Bonferroni's correction for the claim's readings",
+    ),
+    column("p", "f64", "two-sided p-value of the sign-flip test of no difference, uncorrected"),
+    column("environments", "u64", "environments with enough pairs"),
+    column("environments_ahead", "u64", "those of them where the mean difference is above 0"),
+    column("environments_behind", "u64", "those of them where it is below 0"),
+    column("pairs", "u64", "pairs of runs with the same seed in them"),
+    column("runs_left_out", "u64", "runs that are not finished or were evaluated at other steps"),
+    column("evidence", "string", "what the verdict rests on, or what is missing for one"),
+    column("conclusion", "string", "whether the claim's verdict is the same under all readings"),
 ];
 
 static ENVIRONMENTS: &[Column] = &[

@@ -96,7 +96,7 @@ mod tests {
             step: 150,
             goals: [[-0.5, -0.5], [-0.5, 0.5], [-0.1, 0.1]].map(Vec::from).to_vec(),
             successes: vec![true, true, false],
-            weights: None,
+            ..Teaching::default()
         };
         let heat = HeatMap::of(&key, &maze, 450, [&line]).unwrap();
         assert_eq!(heat.phases[0].shares(), [1.0 / 3.0, 2.0 / 3.0, 0.0, 0.0]);

@@ -5,9 +5,10 @@
 //!
 //! ```text
 //! runs/ --Store::read--> runs --groups--> one group per curve --Curve::of-------> learning curves, ablations
-//!                                                             --Row::of---------> summary table
+//!                                                             --Row::of---------> summary, what teachers picked
 //!                                      --comparable--> groups --Finals::of------> comparisons, sums over environments
 //!                                                             --ledger----------> verdicts on the paper's claims
+//!                                                             --Readings::of----> the same under every reading of it
 //!       --store::teaching--> what teachers did                --HeatMap::of-----> heat maps of mazes
 //! ```
 //!
@@ -38,6 +39,7 @@ pub mod missing;
 pub mod page;
 pub mod paper;
 pub mod problem;
+pub mod readings;
 pub mod record;
 pub mod report;
 pub mod scores;
@@ -46,5 +48,6 @@ pub mod store;
 pub mod summary;
 pub mod synthetic;
 pub mod table;
+pub mod teaching;
 
 pub use error::ReportError;

@@ -39,6 +39,27 @@ pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
     missing
 }
 
+/// How many runs of `all` do not tell the success at any step in each of their evaluations; `None` if all do.
+pub fn any_success(all: &[Group<'_>]) -> Option<String> {
+    let mut runs = 0;
+    let mut silent = 0;
+    for run in all.iter().flat_map(|group| &group.runs) {
+        runs += 1;
+        silent += usize::from(run.records.iter().any(|record| record.any_success_rate.is_none()));
+    }
+    older("success at any step", silent, runs)
+}
+
+/// How many of `runs` whose teaching was read do not tell which goals of the pool were picked; `None` if all do.
+pub fn picks(silent: usize, runs: usize) -> Option<String> {
+    older("which goals of the pool were picked", silent, runs)
+}
+
+fn older(what: &str, silent: usize, runs: usize) -> Option<String> {
+    (silent > 0)
+        .then(|| format!("{what}: {silent} of {runs} runs have no record of it (older than the field)"))
+}
+
 /// The paper's methods and environments that `all` has no evaluation of, in a line each.
 pub fn of_the_paper(all: &[Group<'_>]) -> Vec<String> {
     let has_method = |id: &str| all.iter().any(|group| group.key.curriculum == id);

@@ -46,6 +46,10 @@ pub struct Record {
     pub episodes: u64,
     /// Share of them that ended in success, in [0, 1].
     pub success_rate: f64,
+    /// Share of them that were successful after at least one of their actions, in [`success_rate`](Self::success_rate)
+    /// to 1; `None` in files older than the field.
+    #[serde(default)]
+    pub any_success_rate: Option<f64>,
     /// Mean over episodes of the sum of rewards, in [-H, 0].
     pub mean_return: f64,
     /// Gradient steps taken by the student.
@@ -68,6 +72,19 @@ pub struct Teaching {
     pub successes: Vec<bool>,
     /// For pool teachers the probability of every pool goal now, `[N]`, in single precision.
     pub weights: Option<Vec<f32>>,
+    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None` in files
+    /// older than the field.
+    #[serde(default)]
+    pub picks: Option<Vec<Option<u32>>>,
+    /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own unit and in
+    /// single precision; `null` for a goal without one. `None` for teachers that score no goals, and in files older
+    /// than the field.
+    #[serde(default)]
+    pub scores: Option<Vec<Option<f32>>>,
+    /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the first; `null`
+    /// for a goal without one. `None` for teachers that rank no goals, and in files older than the field.
+    #[serde(default)]
+    pub ranks: Option<Vec<Option<u32>>>,
 }
 
 /// Time taken: a line of `timing.jsonl`, kept apart because it differs between machines.

@@ -1,6 +1,7 @@
 //! Numbers that sum up one run.
 
 use crate::record::Record;
+use crate::stats;
 
 /// The running score after every evaluation: the mean success rate of the last `window` evaluations up to and
 /// including it, or of all there are while they are fewer. Shape: one number in [0, 1] per record.
@@ -19,6 +20,14 @@ pub fn running_scores(records: &[Record], window: usize) -> Vec<f64> {
 /// The running score after the last evaluation; `None` without evaluations.
 pub fn final_score(records: &[Record], window: usize) -> Option<f64> {
     running_scores(records, window).last().copied()
+}
+
+/// The same as [`final_score`] of success at any step of an episode; `None` where one of these evaluations has no record
+/// of it.
+pub fn final_any_score(records: &[Record], window: usize) -> Option<f64> {
+    let recent = &records[records.len().saturating_sub(window.max(1))..];
+    let rates: Option<Vec<f64>> = recent.iter().map(|record| record.any_success_rate).collect();
+    stats::mean(&rates?).map(|mean| (mean * 1e12).round() / 1e12)
 }
 
 /// (successes, episodes) of the last `window` evaluations together: what [`final_score`] rests on.
@@ -60,6 +69,7 @@ mod tests {
             eval_index: index as u64,
             episodes: 20,
             success_rate,
+            any_success_rate: None,
             mean_return: -1.0,
             gradient_steps: 0,
             teacher: serde_json::Map::new(),
@@ -78,6 +88,18 @@ mod tests {
         assert_eq!(final_counts(&records, 2), (35, 40));
         assert_eq!(final_counts(&records, 100), (45, 80));
         assert_eq!(final_counts(&[], 2), (0, 0));
+    }
+
+    #[test]
+    fn success_at_any_step_by_hand() {
+        let mut records = records(&[(0, 0.0), (10, 0.5), (20, 1.0)]);
+        assert_eq!(final_any_score(&records, 2), None, "older than the field");
+        for (record, rate) in records.iter_mut().skip(1).zip([0.75, 1.0]) {
+            record.any_success_rate = Some(rate);
+        }
+        assert_eq!(final_any_score(&records, 2), Some(0.875));
+        assert_eq!(final_any_score(&records, 3), None, "the first of three has no record of it");
+        assert_eq!(final_any_score(&[], 2), None);
     }
 
     #[test]

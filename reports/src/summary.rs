@@ -20,7 +20,9 @@ pub struct Row {
     pub final_mean: f64,
     /// Their standard deviation ([`DDOF`]); `None` for one seed.
     pub final_std: Option<f64>,
-    /// Their interquartile mean.
+    /// Mean over seeds of [`scores::final_any_score`]; `None` where a seed has no record of it.
+    pub final_any_mean: Option<f64>,
+    /// Interquartile mean of the final scores.
     pub final_iqm: f64,
     /// Bootstrap interval of the interquartile mean; `None` for one seed.
     pub final_ci: Option<(f64, f64)>,
@@ -52,6 +54,8 @@ impl Row {
             runs.iter().map(|run| scores::steps_to(&run.records, threshold, window)).collect()
         };
         let (to_50, to_80) = (times(0.5), times(0.8));
+        let any: Option<Vec<f64>> =
+            runs.iter().map(|run| scores::final_any_score(&run.records, window)).collect();
         let iqm = |strata: &[Vec<f64>]| stats::iqm(&strata[0]);
         Some(Self {
             key: group.key.clone(),
@@ -59,6 +63,7 @@ impl Row {
             n_finished: runs.iter().filter(|run| run.is_finished()).count(),
             final_mean: stats::mean(&finals)?,
             final_std: stats::std_dev(&finals, DDOF),
+            final_any_mean: any.and_then(|any| stats::mean(&any)),
             final_iqm: stats::iqm(&finals)?,
             final_ci: stats::stratified_interval(&[&finals], iqm, resampling),
             best: best(&Curve::of(group), runs.len()),

@@ -15,6 +15,9 @@ use crate::error::ReportError;
 use crate::layout;
 use crate::record::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
 
+/// Goals in the pool.
+const POOL: u32 = 1_000;
+
 /// Which results to make up. Every combination of environment, curriculum and variant gets `seeds` runs.
 #[derive(Clone, Debug)]
 pub struct Experiment {
@@ -57,11 +60,12 @@ impl Default for Experiment {
 }
 
 impl Experiment {
-    /// The size of the whole paper: 385 runs of 101 evaluations on 11 environments, and 168 runs of ablations on mazes.
+    /// The size of the whole paper: 462 runs of 101 evaluations on 11 environments, 168 runs of ablations on mazes, and 98
+    /// of readings of the paper on two of them.
     pub fn paper() -> Vec<Self> {
         let owned = |names: &[&str]| -> Vec<String> { names.iter().map(|&name| name.to_owned()).collect() };
         let mazes = owned(&["MazeA", "MazeB", "MazeC"]);
-        let curricula = owned(&["teach", "vds", "procurl", "space", "her-iid"]);
+        let curricula = owned(&["teach", "vds", "procurl", "space", "her-iid", "her-iid-pool"]);
         let robots = [
             "FetchReach",
             "FetchPush",
@@ -72,13 +76,38 @@ impl Experiment {
             "HandManipulateEgg",
             "HandManipulatePen",
         ];
-        let variants = ["n=3", "n=3,target", "n=5", "n=20", "delta=2", "delta=5", "delta=10", "delta=50"];
+        let variants = [
+            "n=3",
+            "n=3,confidence=target-critic",
+            "n=5",
+            "n=20",
+            "delta=2",
+            "delta=5",
+            "delta=10",
+            "delta=50",
+        ];
+        let readings =
+            ["selection=argmax", "states=replay", "selection=argmax,goals=pool", "states=replay,goals=pool"];
         let main = Self { curricula, ..Self::default() };
         let in_mazes = Self { environments: mazes, interval: 4_000, teaching: true, ..main.clone() };
         vec![
             Self { environments: owned(&robots), ..main },
             Self { seed: 1, ..in_mazes.clone() },
-            Self { seed: 2, curricula: owned(&["teach"]), variants: owned(&variants), ..in_mazes },
+            Self { seed: 2, curricula: owned(&["teach"]), variants: owned(&variants), ..in_mazes.clone() },
+            Self {
+                seed: 3,
+                environments: owned(&["MazeA", "MazeB"]),
+                curricula: owned(&["teach"]),
+                variants: owned(&readings),
+                ..in_mazes.clone()
+            },
+            Self {
+                seed: 4,
+                environments: owned(&["MazeA", "MazeB"]),
+                curricula: owned(&["teach", "her-iid", "her-iid-pool"]),
+                variants: owned(&["goals=pool"]),
+                ..in_mazes
+            },
         ]
     }
 
@@ -116,9 +145,10 @@ impl Experiment {
 
     fn config(&self, run: &RunKey) -> Value {
         let teacher = if run.curriculum == "teach" { teach_config(&run.variant) } else { json!({}) };
+        let goals = setting(&run.variant, "goals").unwrap_or("environment");
         json!({
             "synthetic": true,
-            "evaluation": { "every": self.interval, "episodes": self.episodes },
+            "evaluation": { "every": self.interval, "episodes": self.episodes, "goals": goals },
             "curriculum": { run.curriculum.as_str(): teacher },
         })
     }
@@ -129,6 +159,7 @@ impl Experiment {
         let reach = (0.3 + 1.4 * share) as f32;
         let episodes = (self.interval / 50).max(1);
         let mut line = Teaching { eval_index, step: eval_index * self.interval, ..Teaching::default() };
+        line.picks = Some((0..episodes).map(|_| Some(rng.random_range(0..POOL))).collect());
         for _ in 0..episodes {
             let coordinate = |rng: &mut ChaCha8Rng| (-0.9 + reach * rng.random::<f32>()).min(0.9);
             line.goals.push(vec![coordinate(rng), coordinate(rng)]);
@@ -151,7 +182,8 @@ impl Experiment {
             let rate = trend.at(eval_index as f64 / self.evaluations.max(1) as f64);
             let successes = (0..self.episodes).filter(|_| rng.random_bool(rate)).count() as f64;
             let success_rate = successes / self.episodes as f64;
-            let entropy = if eval_index == 0 { None } else { Some(rng.random_range(0.0..7.0)) };
+            // Some leave their goal again.
+            let left = rng.random_range(0..=self.episodes - successes as u64) / 4;
             records.push(Record {
                 environment: run.environment.clone(),
                 curriculum: run.curriculum.clone(),
@@ -161,9 +193,10 @@ impl Experiment {
                 eval_index,
                 episodes: self.episodes,
                 success_rate,
+                any_success_rate: Some((successes + left as f64) / self.episodes as f64),
                 mean_return: -50.0 * (1.0 - 0.8 * success_rate),
                 gradient_steps: step * 2 / 5,
-                teacher: Map::from_iter([("entropy".to_owned(), json!(entropy))]),
+                teacher: numbers(&run.curriculum, eval_index, rng),
             });
             timings.push(timing(&run.curriculum, eval_index, step));
         }
@@ -212,18 +245,45 @@ fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     }
 }
 
-/// TEACH's settings as a variant's label says: `n=3,target`, `delta=5`; the defaults elsewhere.
+/// The value of `name` in a variant's label: `n=3,confidence=target-critic`, `delta=5`, `states=replay,goals=pool`.
+fn setting<'a>(variant: &'a str, name: &str) -> Option<&'a str> {
+    let pairs = variant.split(',').filter_map(|setting| setting.split_once('='));
+    pairs.into_iter().find(|(other, _)| *other == name).map(|(_, value)| value)
+}
+
+/// TEACH's settings as a variant's label says; the defaults elsewhere.
 fn teach_config(variant: &str) -> Value {
-    let (mut window, mut interplay, mut confidence) = (10, 1, "online");
-    for setting in variant.split(',') {
-        match setting.split_once('=') {
-            Some(("n", value)) => window = value.parse().unwrap_or(window),
-            Some(("delta", value)) => interplay = value.parse().unwrap_or(interplay),
-            _ if setting == "target" => confidence = "target",
-            _ => {}
-        }
+    let number =
+        |name, default: u64| setting(variant, name).and_then(|value| value.parse().ok()).unwrap_or(default);
+    let text = |name, default| setting(variant, name).unwrap_or(default);
+    json!({
+        "window": number("n", 10),
+        "interplay": number("delta", 1),
+        "confidence": text("confidence", "online"),
+        "states": text("states", "reference"),
+        "selection": text("selection", "proportional"),
+        "record": text("record", "cycle"),
+        "signal": text("signal", "variance"),
+    })
+}
+
+/// What a teacher records of an evaluation: nothing is defined before the first episode, and HER-IID chooses nothing.
+fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<String, Value> {
+    if curriculum == "her-iid" {
+        return Map::new();
     }
-    json!({ "window": window, "interplay": interplay, "confidence": confidence })
+    let effective = rng.random_range(2.0..f64::from(POOL));
+    let picked = rng.random_range(1..=80);
+    let numbers = [
+        ("entropy", json!(effective.ln())),
+        ("effective_goals", json!(effective)),
+        ("picked_goals", json!(picked)),
+        ("effective_picks", json!(f64::from(picked) * rng.random_range(0.5..1.0))),
+        ("pick_rank_mean", json!((curriculum == "space").then(|| rng.random_range(0.4..0.6)))),
+        ("score_success_correlation", json!(rng.random_range(-0.5..0.5))),
+    ];
+    let defined = |value| if eval_index == 0 { Value::Null } else { value };
+    numbers.into_iter().map(|(name, value)| (name.to_owned(), defined(value))).collect()
 }
 
 /// A logistic learning curve.

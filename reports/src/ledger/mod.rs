@@ -7,19 +7,20 @@
 
 mod effect;
 mod verdict;
+mod versus;
 
 use serde_json::Value;
 
 pub use effect::{Effect, FEWEST_PAIRS, Measure};
 pub use verdict::{MARGIN, Verdict};
+pub(crate) use versus::{corrected, versus};
 
 use crate::ablation::{self, Ablation, Axis, Level};
 use crate::complete::Pair;
 use crate::group::{self, Group};
-use crate::methods;
 use crate::paper::{self, BASELINES};
 use crate::stats::Resampling;
-use verdict::{ABOVE, EQUIVALENT, NOT_ABOVE, SOME_ABOVE};
+use verdict::{EQUIVALENT, NOT_ABOVE, SOME_ABOVE};
 
 /// A claim and its verdict.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,13 +73,11 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
         id: "target-confidence",
         axis: &ablation::CONFIDENCE,
         source: "Figure 3",
-        statement: "Confidence taken from the target networks gives no better final success than from the online \
-                    networks",
+        statement: "Confidence smoothed by target networks (the target critic, or target critic and policy) gives no \
+                    better final success than that of the online networks",
         rule: NOT_ABOVE,
-        verdict: |intervals| {
-            intervals.first().map_or(Verdict::Undecided, |interval| verdict::not_above(*interval))
-        },
-        weight: best_supported,
+        verdict: verdict::not_above,
+        weight: highest,
     },
     AblationClaim {
         id: "window",
@@ -108,6 +107,15 @@ fn best_supported(effect: &Effect) -> f64 {
         .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
 }
 
+/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper end of the
+/// interval.
+fn highest(effect: &Effect) -> f64 {
+    let Some((low, high)) = effect.interval else {
+        return effect.difference.map_or(-8.0, |difference| difference - 4.0);
+    };
+    if low > 0.0 { 4.0 + low } else { high }
+}
+
 /// How far from "no difference": first those wholly outside the margin by how far they are, then the others by the end
 /// of the interval that is farther from 0.
 fn farthest(effect: &Effect) -> f64 {
@@ -126,15 +134,9 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Intervals wide enough that `count` of them hold together.
-    fn corrected(&self, count: usize) -> Resampling {
-        let miss = (1.0 - self.resampling.confidence) / count.max(1) as f64;
-        Resampling { confidence: 1.0 - miss, ..self.resampling }
-    }
-
     /// TEACH against a baseline, in every environment that has both with default settings.
     fn baseline(&self, baseline: &str, measure: Measure) -> Entry {
-        let resampling = self.corrected(BASELINES.len());
+        let resampling = corrected(self.resampling, BASELINES.len());
         let default = |environment: &str, curriculum: &str| {
             self.groups.iter().find(|group| {
                 let key = &group.key;
@@ -147,44 +149,7 @@ impl Judge<'_> {
         let pairs: Vec<Pair<'_>> = teach
             .filter_map(|group| Some(Pair::of(group, default(&group.key.environment, baseline)?)))
             .collect();
-        let effect = effect::effect(&pairs, measure, self.window, resampling);
-        let title = methods::title(baseline);
-        let (id, statement) = match measure {
-            Measure::Final => (
-                "final",
-                format!("TEACH reaches a higher final success than {title} on average over environments"),
-            ),
-            Measure::Area => (
-                "area",
-                format!(
-                    "TEACH learns faster than {title} on average over environments: more area under its learning curve"
-                ),
-            ),
-        };
-        let counts = || {
-            let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
-            format!(
-                "ahead in {ahead} and behind in {behind} of {all} environments, {} pairs of runs",
-                effect.pairs
-            )
-        };
-        let evidence = match (effect.lack(resampling), effect.environments.is_empty()) {
-            (None, _) => counts(),
-            (Some(lack), true) => lack,
-            (Some(lack), false) => format!("{}; {lack}", counts()),
-        };
-        let evidence = evidence + &effect.remark();
-        Entry {
-            id: format!("{id}-{baseline}"),
-            source: "Figures 2 and 6",
-            statement,
-            rule: ABOVE,
-            verdict: verdict::above(effect.interval),
-            value: None,
-            effect,
-            confidence: resampling.confidence,
-            evidence,
-        }
+        versus(&pairs, baseline, measure, self.window, resampling)
     }
 
     fn ablation(&self, claim: &AblationClaim) -> Entry {
@@ -203,7 +168,7 @@ impl Judge<'_> {
         let (repeats, tested): (Vec<_>, Vec<_>) = candidates.partition(|(_, pairs)| {
             !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
         });
-        let resampling = self.corrected(tested.len());
+        let resampling = corrected(self.resampling, tested.len());
         let effects: Vec<(String, Effect)> = tested
             .into_iter()
             .map(|(name, pairs)| (name, effect::effect(&pairs, Measure::Final, self.window, resampling)))
@@ -270,4 +235,25 @@ fn evidence(
     };
     let repeated = |value: &String| format!("{value}: the same runs as {reference}, not tested");
     effects.iter().map(tested).chain(repeats.iter().map(repeated)).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_verdict_hangs_on_weighs_most() {
+        let effect = |interval| Effect { interval: Some(interval), ..Effect::default() };
+        let heaviest = |weight: fn(&Effect) -> f64, intervals: &[(f64, f64)]| {
+            let weights: Vec<f64> = intervals.iter().map(|interval| weight(&effect(*interval))).collect();
+            (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]))
+        };
+        // "None is above" is undecided for the wide one, and refuted by the one above 0.
+        assert_eq!(heaviest(highest, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(1));
+        assert_eq!(heaviest(highest, &[(0.01, 0.05), (-0.3, 0.3)]), Some(0));
+        assert_eq!(heaviest(best_supported, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(0));
+        assert_eq!(heaviest(farthest, &[(-0.02, 0.05), (-0.3, 0.2)]), Some(1));
+        assert_eq!(heaviest(farthest, &[(0.12, 0.15), (-0.3, 0.2)]), Some(0));
+        assert!(highest(&Effect::default()) < highest(&effect((-1.0, -1.0))), "no interval comes last");
+    }
 }

@@ -40,16 +40,20 @@ pub(super) fn above(interval: Interval) -> Verdict {
     }
 }
 
-/// "A is no better than B".
+/// "None is any better".
 pub(super) const NOT_ABOVE: &str =
-    "refuted if the whole interval lies above 0; otherwise confirmed if it lies below 0.1";
+    "refuted if one interval lies wholly above 0; otherwise confirmed if every interval lies below 0.1";
 
 /// See [`NOT_ABOVE`].
-pub(super) fn not_above(interval: Interval) -> Verdict {
-    match interval {
-        Some((low, _)) if low > 0.0 => Verdict::Refuted,
-        Some((_, high)) if high < MARGIN => Verdict::Confirmed,
-        _ => Verdict::Undecided,
+pub(super) fn not_above(intervals: &[Interval]) -> Verdict {
+    if intervals.iter().any(|interval| interval.is_some_and(|(low, _)| low > 0.0)) {
+        Verdict::Refuted
+    } else if !intervals.is_empty()
+        && intervals.iter().all(|interval| interval.is_some_and(|(_, high)| high < MARGIN))
+    {
+        Verdict::Confirmed
+    } else {
+        Verdict::Undecided
     }
 }
 
@@ -101,7 +105,8 @@ mod tests {
     fn verdicts_on_one_interval() {
         let all = [ABOVE_MARGIN, SMALL_GAIN, NEAR_ZERO, WIDE, BELOW, None];
         assert_eq!(all.map(above), [Confirmed, Confirmed, Undecided, Undecided, Refuted, Undecided]);
-        assert_eq!(all.map(not_above), [Refuted, Refuted, Confirmed, Undecided, Confirmed, Undecided]);
+        let not_above = all.map(|interval| not_above(&[interval]));
+        assert_eq!(not_above, [Refuted, Refuted, Confirmed, Undecided, Confirmed, Undecided]);
     }
 
     #[test]
@@ -114,6 +119,11 @@ mod tests {
         assert_eq!(equivalent(&[ABOVE_MARGIN]), Refuted);
         assert_eq!(equivalent(&[Some((-0.3, 0.05))]), Undecided);
         assert_eq!(equivalent(&[Some((-0.05, 0.3))]), Undecided);
+        assert_eq!(not_above(&[NEAR_ZERO, BELOW]), Confirmed);
+        assert_eq!(not_above(&[NEAR_ZERO, SMALL_GAIN]), Refuted);
+        assert_eq!(not_above(&[NEAR_ZERO, WIDE]), Undecided);
+        assert_eq!(not_above(&[NEAR_ZERO, None]), Undecided);
+        assert_eq!(not_above(&[]), Undecided);
         assert_eq!(some_above(&[BELOW, SMALL_GAIN]), Confirmed);
         assert_eq!(some_above(&[BELOW, BELOW]), Refuted);
         assert_eq!(some_above(&[BELOW, None]), Undecided);

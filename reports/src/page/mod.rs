@@ -45,6 +45,8 @@ pub struct Page<'a> {
     pub summary: &'a Table,
     /// What training took, with the same first column.
     pub costs: &'a Table,
+    /// What teachers picked, with the same first column.
+    pub teaching: Option<&'a Table>,
     /// Single runs, with the same first column.
     pub runs: &'a Table,
     /// Sums over environments.
@@ -53,6 +55,8 @@ pub struct Page<'a> {
     pub comparisons: Option<&'a Table>,
     /// The paper's claims.
     pub ledger: &'a Table,
+    /// The paper's claims under every reading of it.
+    pub readings: Option<&'a Table>,
     /// Dimensions of environments.
     pub dimensions: Option<&'a Table>,
     /// Known deviations from the paper.
@@ -60,6 +64,9 @@ pub struct Page<'a> {
     /// What the report lacks.
     pub missing: &'a [String],
 }
+
+/// Title of the section of readings.
+pub const READINGS: &str = "Does a claim's verdict hang on the reading?";
 
 const STYLE: &str = include_str!("style.css");
 
@@ -69,7 +76,9 @@ impl Page<'_> {
         let mut sections = vec![
             ("results", "Results", self.overview()),
             ("costs", "What training took", self.costs.html()),
+            ("teaching", "What teachers picked", self.teaching.map(Table::html).unwrap_or_default()),
             ("ledger", "Claims of the paper", self.ledger.html()),
+            ("readings", READINGS, self.readings.map(Table::html).unwrap_or_default()),
             ("across", "Across environments", self.across()),
             ("ablations", "Ablations", self.pictures(&Section::Ablations)),
         ];
@@ -135,7 +144,8 @@ impl Page<'_> {
     fn environment(&self, name: &str) -> String {
         let mut text = self.pictures(&Section::Environment(name.to_owned()));
         // Their captions stand below the tables of all environments.
-        let tables = [Some(self.summary), Some(self.costs), self.comparisons].into_iter().flatten();
+        let tables =
+            [Some(self.summary), Some(self.costs), self.teaching, self.comparisons].into_iter().flatten();
         for table in tables.map(|table| Table { caption: String::new(), ..table.part(name) }) {
             if !table.rows.is_empty() {
                 text += &table.html();

@@ -18,8 +18,10 @@ use crate::heat::HeatMap;
 use crate::improvement::{self, Improvement};
 use crate::ledger::{self, Entry};
 use crate::problem::Problem;
+use crate::readings::Readings;
 use crate::store::{self, Store};
 use crate::summary::Row;
+use crate::teaching;
 
 /// Which groups there are, and which of them stand for their method. Everything else borrows from it.
 pub(super) struct Groups<'a> {
@@ -126,6 +128,19 @@ impl<'a> Across<'a> {
     }
 }
 
+/// What the files of what teachers did say: they are read in mazes alone.
+#[derive(Default)]
+pub(super) struct Heat<'a> {
+    /// Mazes with at least one heat map.
+    pub(super) mazes: Vec<MazeHeat<'a>>,
+    /// What is wrong with these files.
+    pub(super) problems: Vec<Problem>,
+    /// Runs that have one with something in it.
+    pub(super) runs: usize,
+    /// Those of them that do not tell which goals of the pool were picked.
+    pub(super) without_picks: usize,
+}
+
 /// Heat maps of one maze.
 pub(super) struct MazeHeat<'a> {
     pub(super) maze: &'a MazeInfo,
@@ -135,39 +150,43 @@ pub(super) struct MazeHeat<'a> {
 /// All results of all computations.
 pub(super) struct Analysis<'a> {
     pub(super) rows: Vec<Row>,
+    /// What teachers picked, for every group; empty where none of them tells.
+    pub(super) teaching: Vec<teaching::Row>,
     pub(super) across: Across<'a>,
     pub(super) comparisons: Vec<Comparison<'a>>,
     /// Ablations of every axis of [`AXES`], in its order.
     pub(super) ablations: Vec<Vec<Ablation<'a>>>,
     pub(super) ledger: Vec<Entry>,
-    /// Mazes with at least one heat map.
-    pub(super) heat: Vec<MazeHeat<'a>>,
-    /// What is wrong with the files that heat maps are made of.
-    pub(super) heat_problems: Vec<Problem>,
+    /// The ledger's claims about baselines under every reading of the paper; empty for fewer than two.
+    pub(super) readings: Readings,
+    pub(super) heat: Heat<'a>,
 }
 
 impl<'a> Analysis<'a> {
     pub(super) fn of(results: &Path, groups: &'a Groups<'_>, options: &'a Options) -> Self {
         let Options { window, resampling, .. } = *options;
         let rows = groups.all.par_iter().filter_map(|group| Row::of(group, window, resampling)).collect();
-        let (heat, heat_problems) = heat(results, groups, options);
+        let mut teaching: Vec<_> = groups.all.iter().map(teaching::Row::of).collect();
+        if !teaching.iter().any(teaching::Row::tells) {
+            teaching.clear();
+        }
         Self {
             rows,
+            teaching,
             across: Across::of(groups, options),
             comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
             ablations: AXES.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
             ledger: ledger::ledger(&groups.all, window, resampling),
-            heat,
-            heat_problems,
+            readings: Readings::of(&groups.all, window, resampling),
+            heat: heat(results, groups, options),
         }
     }
 }
 
 /// Heat maps of the compared groups of every maze. What teachers did is read here, run by run, and counted at once:
 /// all of it together would not be small.
-fn heat<'a>(results: &Path, groups: &Groups<'_>, options: &'a Options) -> (Vec<MazeHeat<'a>>, Vec<Problem>) {
-    let mut problems = Vec::new();
-    let mut heats = Vec::new();
+fn heat<'a>(results: &Path, groups: &Groups<'_>, options: &'a Options) -> Heat<'a> {
+    let mut heat = Heat::default();
     for maze in &options.mazes {
         let mut maps = Vec::new();
         for group in groups.compared_groups() {
@@ -178,11 +197,15 @@ fn heat<'a>(results: &Path, groups: &Groups<'_>, options: &'a Options) -> (Vec<M
             let last = group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max();
             let lines = read.iter().flat_map(|(lines, _)| lines);
             maps.extend(HeatMap::of(&group.key, maze, last.unwrap_or(0), lines));
-            problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
+            for (lines, problems) in read {
+                heat.runs += usize::from(!lines.is_empty());
+                heat.without_picks += usize::from(lines.iter().any(|line| line.picks.is_none()));
+                heat.problems.extend(problems);
+            }
         }
         if !maps.is_empty() {
-            heats.push(MazeHeat { maze, maps });
+            heat.mazes.push(MazeHeat { maze, maps });
         }
     }
-    (heats, problems)
+    heat
 }

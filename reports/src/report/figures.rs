@@ -41,7 +41,7 @@ pub(super) fn figures(
     drawings.extend(across(groups, analysis, options)?);
     drawings.extend(ablations(groups, analysis)?);
     drawings.extend(variants(groups, analysis)?);
-    for (index, heat) in analysis.heat.iter().enumerate() {
+    for (index, heat) in analysis.heat.mazes.iter().enumerate() {
         drawings.push(Drawing {
             name: format!("heat-{}", file_name(&heat.maze.id, index)),
             section: Section::Environment(heat.maze.id.clone()),

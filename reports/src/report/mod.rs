@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::environment::{EnvironmentInfo, MazeInfo};
 use crate::error::ReportError;
 use crate::layout;
-use crate::page::Page;
+use crate::page::{Page, READINGS};
 use crate::problem::Problem;
 use crate::stats::Resampling;
 use crate::store::Store;
@@ -89,7 +89,7 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
     let groups = Groups::of(&store, options);
     let analysis = Analysis::of(results, &groups, options);
     // The problems of all files, for the report and for the caller.
-    let mut problems = [store.problems(), &analysis.heat_problems].concat();
+    let mut problems = [store.problems(), &analysis.heat.problems].concat();
     problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
     let tables = Tables::of(&store, &groups, &analysis, options);
     let missing = tables::missing(&groups, &analysis, options);
@@ -101,10 +101,12 @@ pub fn write(results: &Path, options: &Options) -> Result<Written, ReportError> 
         environments: &groups.environments(),
         summary: &tables.summary,
         costs: &tables.costs,
+        teaching: tables.teaching.as_ref(),
         runs: &tables.runs,
         aggregates: tables.aggregates.as_ref(),
         comparisons: tables.comparisons.as_ref(),
         ledger: &tables.ledger,
+        readings: tables.readings.as_ref(),
         dimensions: tables.dimensions.as_ref(),
         deviations: &tables.deviations,
         missing: &missing,
@@ -133,7 +135,9 @@ fn markdown(store: &Store, tables: &Tables, missing: &[String], problems: &[Prob
         text.push_str(&table.unwrap_or_default());
     };
     section("What training took", Some(&tables.costs));
+    section("What teachers picked", tables.teaching.as_ref());
     section("Claims of the paper", Some(&tables.ledger));
+    section(READINGS, tables.readings.as_ref());
     section("Across environments", tables.aggregates.as_ref());
     section("Comparisons", tables.comparisons.as_ref());
     section("Dimensions of the environments", tables.dimensions.as_ref());

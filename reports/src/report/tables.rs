@@ -17,11 +17,13 @@ use crate::{dictionary, methods, missing};
 pub(super) struct Tables {
     pub(super) summary: Table,
     pub(super) costs: Table,
+    pub(super) teaching: Option<Table>,
     /// Single runs; for the page and the data alone: it is long.
     pub(super) runs: Table,
     pub(super) aggregates: Option<Table>,
     pub(super) comparisons: Option<Table>,
     pub(super) ledger: Table,
+    pub(super) readings: Option<Table>,
     pub(super) dimensions: Option<Table>,
     pub(super) deviations: Table,
 }
@@ -37,10 +39,13 @@ impl Tables {
         Self {
             summary: table::summary_table(&analysis.rows, window, resampling),
             costs: table::cost_table(&analysis.rows),
+            teaching: (!analysis.teaching.is_empty()).then(|| table::teaching_table(&analysis.teaching)),
             runs: table::run_table(store.runs(), window, resampling.confidence),
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
             ledger: table::ledger_table(&analysis.ledger, window, resampling),
+            readings: (!analysis.readings.claims.is_empty())
+                .then(|| table::readings_table(&analysis.readings, window, resampling)),
             deviations: table::deviation_table(),
             dimensions: (!dimensions.is_empty()).then(|| table::environment_table(&dimensions)),
         }
@@ -51,9 +56,11 @@ impl Tables {
         let all = [
             ("summary", Some(&self.summary)),
             ("costs", Some(&self.costs)),
+            ("teaching", self.teaching.as_ref()),
             ("aggregates", self.aggregates.as_ref()),
             ("comparisons", self.comparisons.as_ref()),
             ("ledger", Some(&self.ledger)),
+            ("readings", self.readings.as_ref()),
             ("environments", self.dimensions.as_ref()),
             ("deviations", Some(&self.deviations)),
         ];
@@ -84,9 +91,11 @@ pub(super) fn files(
     let frames = [
         ("summary.csv", table::summary_frame(&analysis.rows)?),
         ("costs.csv", table::cost_frame(&analysis.rows)?),
+        ("teaching.csv", table::teaching_frame(&analysis.teaching)?),
         ("aggregates.csv", table::aggregate_frame(&across.aggregates, across.environments.len())?),
         ("comparisons.csv", table::comparison_frame(&analysis.comparisons)?),
         ("ledger.csv", table::ledger_frame(&analysis.ledger)?),
+        ("readings.csv", table::readings_frame(&analysis.readings)?),
         ("environments.csv", table::environment_frame(&dimensions(groups, options))?),
     ];
     for (name, frame) in frames {
@@ -134,8 +143,9 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
         }
     }
     for maze in &options.mazes {
-        let drawn =
-            |key: &GroupKey| analysis.heat.iter().flat_map(|heat| &heat.maps).any(|map| map.key == *key);
+        let drawn = |key: &GroupKey| {
+            analysis.heat.mazes.iter().flat_map(|heat| &heat.maps).any(|map| map.key == *key)
+        };
         for group in groups.compared_groups() {
             let key = &group.key;
             if key.environment == maze.id && !drawn(key) {
@@ -145,6 +155,8 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
             }
         }
     }
+    lacking.extend(missing::any_success(&groups.all));
+    lacking.extend(missing::picks(analysis.heat.without_picks, analysis.heat.runs));
     let silent = analysis.rows.iter().filter(|row| {
         row.cost.wall_hours.is_some()
             && (row.cost.teacher_hours.is_none() || row.cost.learning_hours.is_none())

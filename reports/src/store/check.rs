@@ -61,14 +61,20 @@ fn misfit(record: &Record, run: &RunKey) -> Option<Fault> {
     if record.episodes == 0 {
         return Some(range("episodes", "0".into(), "at least 1"));
     }
-    if !(0.0..=1.0).contains(&record.success_rate) {
-        return Some(range("success_rate", record.success_rate.to_string(), "a number in [0, 1]"));
+    let rates = [("success_rate", Some(record.success_rate)), ("any_success_rate", record.any_success_rate)];
+    for (field, rate) in rates.into_iter().filter_map(|(field, rate)| Some((field, rate?))) {
+        if !(0.0..=1.0).contains(&rate) {
+            return Some(range(field, rate.to_string(), "a number in [0, 1]"));
+        }
+        // Within rounding: shares are written with all digits they have.
+        let successes = rate * record.episodes as f64;
+        if (successes - successes.round()).abs() > 1e-6 {
+            let value = format!("{rate} of {} episodes", record.episodes);
+            return Some(range(field, value, "a whole number of successes"));
+        }
     }
-    // Within rounding: shares are written with all digits they have.
-    let successes = record.success_rate * record.episodes as f64;
-    if (successes - successes.round()).abs() > 1e-6 {
-        let value = format!("{} of {} episodes", record.success_rate, record.episodes);
-        return Some(range("success_rate", value, "a whole number of successes"));
+    if let Some(any) = record.any_success_rate.filter(|any| *any < record.success_rate) {
+        return Some(range("any_success_rate", any.to_string(), "at least success_rate"));
     }
     if !(record.mean_return.is_finite() && record.mean_return <= 0.0) {
         return Some(range("mean_return", record.mean_return.to_string(), "a number of at most 0"));

@@ -25,6 +25,7 @@ impl Store {
             column("eval_index", &records, |record| record.eval_index),
             column("episodes", &records, |record| record.episodes),
             column("success_rate", &records, |record| record.success_rate),
+            column("any_success_rate", &records, |record| record.any_success_rate),
             column("mean_return", &records, |record| record.mean_return),
             column("gradient_steps", &records, |record| record.gradient_steps),
         ];

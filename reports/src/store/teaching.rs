@@ -38,17 +38,27 @@ fn misfit(teaching: &Teaching) -> Option<Fault> {
     let range = |field: &str, value: String, accepted| {
         Some(Fault::Range { field: field.to_owned(), value, accepted })
     };
-    let Teaching { goals, successes, weights, .. } = teaching;
-    if goals.len() != successes.len() {
-        let value = format!("{} long", successes.len());
-        return range("successes", value, "as many entries as goals");
+    let Teaching { goals, successes, weights, picks, scores, ranks, .. } = teaching;
+    let lengths = [
+        ("successes", Some(successes.len())),
+        ("picks", picks.as_ref().map(Vec::len)),
+        ("scores", scores.as_ref().map(Vec::len)),
+        ("ranks", ranks.as_ref().map(Vec::len)),
+    ];
+    let mut given = lengths.into_iter().filter_map(|(field, length)| Some((field, length?)));
+    if let Some((field, length)) = given.find(|(_, length)| *length != goals.len()) {
+        return range(field, format!("{length} long"), "as many entries as goals");
     }
     if let Some(goal) =
         goals.iter().find(|goal| goal.len() != goals[0].len() || goal.iter().any(|x| !x.is_finite()))
     {
         return range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length");
     }
-    let weights = weights.as_deref().unwrap_or_default();
-    let weight = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight))?;
-    range("weights", weight.to_string(), "numbers in [0, 1]")
+    let weights = weights.as_deref()?;
+    if let Some(weight) = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight)) {
+        return range("weights", weight.to_string(), "numbers in [0, 1]");
+    }
+    let beyond = |pick: &&u32| **pick as usize >= weights.len();
+    let pick = picks.iter().flatten().flatten().find(beyond)?;
+    range("picks", pick.to_string(), "indices below the number of weights")
 }

@@ -23,6 +23,11 @@ pub(super) fn decimal(value: f64) -> String {
     if text == "-0.00" { "0.00".into() } else { text }
 }
 
+/// Three digits, or how small it is at least.
+pub(super) fn p_value(p: f64) -> String {
+    if p < 0.001 { "< 0.001".into() } else { format!("{p:.3}") }
+}
+
 /// `0.50 ± 0.10`; the mean alone where it has no standard deviation.
 pub(super) fn with_spread(mean: Option<f64>, std: Option<f64>) -> String {
     let spread = |std| format!(" ± {}", decimal(std));

@@ -2,7 +2,7 @@
 
 use polars::prelude::DataFrame;
 
-use super::cells::{BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, thousands, with_interval};
+use super::cells::{BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, p_value, thousands, with_interval};
 use super::{Table, column};
 use crate::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::error::ReportError;
@@ -93,9 +93,4 @@ fn caption(resampling: Resampling) -> String {
 
 fn name(key: &GroupKey) -> String {
     format!("{}{}", methods::title(&key.curriculum), key.detail())
-}
-
-/// Three digits, or how small it is at least.
-fn p_value(p: f64) -> String {
-    if p < 0.001 { "< 0.001".into() } else { format!("{p:.3}") }
 }

@@ -9,8 +9,10 @@ mod environment;
 mod latex;
 mod ledger;
 mod markup;
+mod readings;
 mod runs;
 mod summary;
+mod teaching;
 
 use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, ParquetWriter, SerWriter, Series};
 
@@ -22,8 +24,10 @@ pub use environment::{environment_frame, environment_table};
 pub use ledger::{ledger_frame, ledger_table};
 pub(crate) use markup::markdown_escape;
 pub use markup::{Align, Table, html_escape};
+pub use readings::{readings_frame, readings_table};
 pub use runs::{run_frame, run_table};
 pub use summary::{summary_frame, summary_table};
+pub use teaching::{teaching_frame, teaching_table};
 
 use crate::error::ReportError;
 

@@ -24,6 +24,7 @@ pub fn summary_frame(rows: &[Row]) -> Result<DataFrame, ReportError> {
         column("n_seeds", rows, |row| row.n_seeds as u64),
         column("final_mean", rows, |row| row.final_mean),
         column("final_std", rows, |row| row.final_std),
+        column("final_any_mean", rows, |row| row.final_any_mean),
         column("final_iqm", rows, |row| row.final_iqm),
         column("final_ci_low", rows, |row| row.final_ci.map(|ci| ci.0)),
         column("final_ci_high", rows, |row| row.final_ci.map(|ci| ci.1)),
@@ -37,13 +38,14 @@ pub fn summary_frame(rows: &[Row]) -> Result<DataFrame, ReportError> {
     Ok(DataFrame::new(rows.len(), columns)?)
 }
 
-const HEADER: [&str; 11] = [
+const HEADER: [&str; 12] = [
     "Environment",
     "Curriculum",
     "Variant",
     "Seeds",
     "Steps",
     "Final success",
+    "At any step",
     "IQM",
     "Best mean",
     "AUC",
@@ -61,6 +63,7 @@ pub fn summary_table(rows: &[Row], window: usize, resampling: Resampling) -> Tab
             seeds(row),
             span(row.cost.steps),
             with_spread(Some(row.final_mean), row.final_std),
+            or_undefined(row.final_any_mean, decimal),
             with_interval(row.final_iqm, row.final_ci),
             or_undefined(row.best, |best| format!("{} at {}", decimal(best.mean), thousands(best.step))),
             with_spread(row.auc_mean, row.auc_std),
@@ -75,7 +78,9 @@ fn caption(window: usize, resampling: Resampling) -> String {
     let Resampling { resamples, confidence, .. } = resampling;
     format!(
         "Final success: success rate averaged over the last {window} evaluations of each seed, then mean ± standard \
-         deviation over seeds (ddof = {DDOF}). IQM: interquartile mean over seeds of the same, with its \
+         deviation over seeds (ddof = {DDOF}). At any step: the same mean of the share of episodes that were successful after \
+         at least one of their actions, where the final success counts the last step alone; {UNDEFINED} where a seed has no \
+         record of it. IQM: interquartile mean over seeds of the final success, with its \
          {} % percentile bootstrap interval ({} resamples), which describes and decides nothing: \
          {BOOTSTRAP_COVERAGE}. Best mean: highest point of the mean curve. \
          AUC: area under the success rate over training steps divided by those steps, mean ± standard deviation \

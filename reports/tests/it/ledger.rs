@@ -55,7 +55,8 @@ fn clear_results_are_judged() {
         write_group(path, environment, "her-iid", "default", 0.6, &json!({"curriculum": {"her-iid": {}}}));
         write_group(path, environment, "teach", "n=3", 0.62, &teach(3, 1, "online"));
         write_group(path, environment, "teach", "n=20", 0.58, &teach(20, 1, "online"));
-        write_group(path, environment, "teach", "n=3,target", 0.5, &teach(3, 1, "target"));
+        write_group(path, environment, "teach", "n=3,target", 0.4, &teach(3, 1, "target"));
+        write_group(path, environment, "teach", "n=3,target-critic", 0.5, &teach(3, 1, "target-critic"));
         write_group(path, environment, "teach", "delta=5", 0.75, &teach(10, 5, "online"));
         write_group(path, environment, "teach", "delta=50", 0.1, &teach(10, 50, "online"));
     }
@@ -83,6 +84,11 @@ fn clear_results_are_judged() {
     assert!((area.effect.difference.unwrap() - 0.15).abs() < 1e-9, "half of it: from 0 in a straight line");
     // Four baselines share a miss of 0.05.
     assert!((area.confidence - 0.9875).abs() < 1e-12);
+    // 0.62 with the online networks; the target critic, which the paper speaks of, comes nearer to it and decides.
+    let confidence = entries.iter().find(|entry| entry.id == "target-confidence").unwrap();
+    assert_eq!(confidence.value.as_deref(), Some("confidence = target-critic"));
+    assert!((confidence.effect.difference.unwrap() + 0.12).abs() < 1e-9);
+    assert!((confidence.confidence - 0.975).abs() < 1e-12, "two values share a miss of 0.05");
     let interplay = entries.iter().find(|entry| entry.id == "interplay").unwrap();
     // Δ = 50 differs most, and against the claim; Δ = 5 is what confirms it.
     assert_eq!(interplay.value.as_deref(), Some("Δ = 5"));
@@ -225,6 +231,7 @@ fn ablations_differ_in_one_field_alone() {
     write("A", "n=3", teach(3, 1, "online"));
     write("A", "n=20", teach(20, 1, "online"));
     write("A", "n=3,target", teach(3, 1, "target"));
+    write("A", "n=3,target-critic", teach(3, 1, "target-critic"));
     write("B", "n=5,delta=2", teach(5, 2, "online"));
     write("B", "default", teach(10, 1, "online"));
     let store = Store::read(results.path()).unwrap();
@@ -239,5 +246,8 @@ fn ablations_differ_in_one_field_alone() {
         .collect();
     let owned = |texts: &[&str]| texts.iter().map(|&text| text.to_owned()).collect::<Vec<_>>();
     // Values by size; those of B differ in two fields.
-    assert_eq!(found, [vec![owned(&["online", "target"])], vec![owned(&["3", "10", "20"])], vec![]]);
+    assert_eq!(
+        found,
+        [vec![owned(&["online", "target", "target-critic"])], vec![owned(&["3", "10", "20"])], vec![]]
+    );
 }

@@ -9,6 +9,7 @@ mod figures;
 mod latex;
 mod ledger;
 mod page;
+mod readings;
 mod report;
 mod statistics;
 mod store;

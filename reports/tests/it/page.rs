@@ -27,9 +27,18 @@ fn the_page_needs_nothing_else_and_escapes_names() {
     assert!(!html.contains("url(") && !html.contains("@import"));
     let figures = fs::read_dir(layout::report_dir(results.path()).join("figures")).unwrap().count() / 2;
     assert_eq!(html.matches("<img ").count(), figures, "every figure is on the page");
-    for id in
-        ["results", "ledger", "ablations", "comparisons", "dimensions", "deviations", "protocol", "versions"]
-    {
+    for id in [
+        "results",
+        "teaching",
+        "ledger",
+        "readings",
+        "ablations",
+        "comparisons",
+        "dimensions",
+        "deviations",
+        "protocol",
+        "versions",
+    ] {
         assert!(html.contains(&format!("<section id=\"{id}\">")), "{id}");
     }
 }

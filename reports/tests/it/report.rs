@@ -85,6 +85,7 @@ fn all_files_are_written_and_returned() {
         "files.txt",
         "index.html",
         "ledger.csv",
+        "readings.csv",
         "records.csv",
         "records.parquet",
         "runs.csv",
@@ -96,6 +97,7 @@ fn all_files_are_written_and_returned() {
         "tables/deviations.tex",
         "tables/ledger.tex",
         "tables/summary.tex",
+        "teaching.csv",
     ];
     assert_eq!(names, expected);
     assert_eq!(content(results.path()).keys().collect::<Vec<_>>(), expected);

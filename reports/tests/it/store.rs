@@ -7,6 +7,7 @@ use super::support::{key, line, record, write_run};
 use reports::ReportError;
 use reports::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
 use reports::record::{Crash, Outcome};
+use reports::report::{self, Options};
 use reports::store::Store;
 use tempfile::TempDir;
 
@@ -132,6 +133,21 @@ fn numbers_outside_their_range_are_named() {
             "\"success_rate\":0.5",
             "\"success_rate\":0.51",
             "success_rate is 0.51 of 20 episodes, line ignored; expected a whole number of successes",
+        ),
+        (
+            "\"any_success_rate\":0.55",
+            "\"any_success_rate\":-0.05",
+            "any_success_rate is -0.05, line ignored; expected a number in [0, 1]",
+        ),
+        (
+            "\"any_success_rate\":0.55",
+            "\"any_success_rate\":0.56",
+            "any_success_rate is 0.56 of 20 episodes, line ignored; expected a whole number of successes",
+        ),
+        (
+            "\"any_success_rate\":0.55",
+            "\"any_success_rate\":0.45",
+            "any_success_rate is 0.45, line ignored; expected at least success_rate",
         ),
         ("\"episodes\":20", "\"episodes\":0", "episodes is 0, line ignored; expected at least 1"),
         (
@@ -282,15 +298,40 @@ fn other_folders_are_refused_with_what_was_expected() {
 }
 
 #[test]
+fn records_older_than_success_at_any_step_are_read() {
+    let results = TempDir::new().unwrap();
+    write_run(results.path(), &key("E", "teach", "default", 1), &[0.0, 0.5]);
+    let folder = write_run(results.path(), &key("E", "teach", "default", 0), &[0.0, 0.5]);
+    edit(&folder, |lines| {
+        let old = |line: String| {
+            let (before, after) = line.split_once("\"any_success_rate\":").unwrap();
+            before.to_owned() + after.split_once(',').unwrap().1
+        };
+        lines.into_iter().map(old).collect()
+    });
+    let store = Store::read(results.path()).unwrap();
+    assert_eq!(store.problems(), []);
+    assert_eq!(store.frame().unwrap().column("any_success_rate").unwrap().null_count(), 2);
+    let missing = report::write(results.path(), &Options::default()).unwrap().missing;
+    let expected = "success at any step: 1 of 2 runs have no record of it (older than the field)";
+    assert!(missing.iter().any(|text| text == expected), "{missing:#?}");
+    let csv = fs::read_to_string(layout::report_dir(results.path()).join("summary.csv")).unwrap();
+    let at_any_step = csv.lines().map(|line| line.split(',').nth(6).unwrap()).collect::<Vec<_>>();
+    assert_eq!(at_any_step, ["final_any_mean", ""], "no mean without a seed");
+}
+
+#[test]
 fn the_frame_has_a_row_per_evaluation() {
     let results = TempDir::new().unwrap();
     write_run(results.path(), &key("E", "vds", "default", 0), &[0.0, 0.5]);
     write_run(results.path(), &key("E", "teach", "default", 10), &[0.25]);
     write_run(results.path(), &key("E", "teach", "default", 9), &[0.75]);
     let frame = Store::read(results.path()).unwrap().frame().unwrap();
-    assert_eq!(frame.shape(), (4, 12));
+    assert_eq!(frame.shape(), (4, 13));
     let rates: Vec<Option<f64>> = frame.column("success_rate").unwrap().f64().unwrap().to_vec();
     assert_eq!(rates, [0.75, 0.25, 0.0, 0.5].map(Some));
+    let at_any_step = frame.column("any_success_rate").unwrap().f64().unwrap().to_vec();
+    assert_eq!(at_any_step, [0.8, 0.3, 0.05, 0.55].map(Some));
     let entropies = frame.column("teacher.entropy").unwrap().f64().unwrap().to_vec();
     assert_eq!(entropies, [0.0, 0.0, 0.0, 1.0].map(Some));
     assert_eq!(frame.column("teacher.undefined").unwrap().null_count(), 4);

@@ -18,6 +18,9 @@ fn teaching(eval_index: u64) -> Teaching {
         goals: vec![vec![-0.5, 0.5], vec![0.5, 0.5]],
         successes: vec![true, false],
         weights: Some(vec![0.25, 0.75]),
+        picks: Some(vec![Some(1), None]),
+        scores: Some(vec![Some(0.5), None]),
+        ranks: Some(vec![Some(0), None]),
     }
 }
 
@@ -42,19 +45,68 @@ fn sound_lines_are_read_by_rising_evaluation() {
 fn each_damaged_line_is_named() {
     let short = Teaching { successes: vec![true], ..teaching(2) };
     let uneven = Teaching { goals: vec![vec![0.0, 0.0], vec![0.0]], ..teaching(3) };
-    let heavy = Teaching { weights: Some(vec![1.5]), ..teaching(4) };
-    let content =
-        line(&teaching(1)) + &line(&short) + &line(&uneven) + &line(&heavy) + &line(&teaching(1)) + "{\"ev";
+    let heavy = Teaching { weights: Some(vec![0.5, 1.5]), ..teaching(4) };
+    let few = Teaching { picks: Some(vec![None]), ..teaching(5) };
+    let many = Teaching { ranks: Some(vec![None; 3]), ..teaching(6) };
+    let beyond = Teaching { picks: Some(vec![Some(2), None]), ..teaching(7) };
+    let scored = Teaching { scores: Some(vec![None; 3]), ..teaching(8) };
+    let damaged = [&short, &uneven, &heavy, &few, &many, &beyond, &scored].map(line).concat();
+    let content = line(&teaching(1)) + &damaged + &line(&teaching(1)) + "{\"ev";
     let (lines, problems) = read(&content);
     assert_eq!(lines, [teaching(1)]);
     let expected = [
-        "6: incomplete last line (4 bytes without a newline), ignored",
+        "10: incomplete last line (4 bytes without a newline), ignored",
         "2: successes is 1 long, line ignored; expected as many entries as goals",
         "3: goals is [0.0], line ignored; expected goals of finite numbers, all of one length",
         "4: weights is 1.5, line ignored; expected numbers in [0, 1]",
-        "5: evaluation 1 again, ignored; line 1 has it",
+        "5: picks is 1 long, line ignored; expected as many entries as goals",
+        "6: ranks is 3 long, line ignored; expected as many entries as goals",
+        "7: picks is 2, line ignored; expected indices below the number of weights",
+        "8: scores is 3 long, line ignored; expected as many entries as goals",
+        "9: evaluation 1 again, ignored; line 1 has it",
     ];
     assert_eq!(problems, expected.map(|text| format!("runs/M/teach/default/seed-0/teaching.jsonl:{text}")));
+}
+
+#[test]
+fn lines_older_than_a_field_are_read() {
+    let new = line(&teaching(1));
+    let (old, _) = new.split_once(",\"picks\"").unwrap();
+    let expected = Teaching { picks: None, scores: None, ranks: None, ..teaching(1) };
+    assert_eq!(read(&format!("{old}}}\n")), (vec![expected], vec![]));
+}
+
+#[test]
+fn what_teachers_picked_is_a_table_where_they_tell() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    let write = |curriculum: &str, seed: u64, picked: [u64; 3]| {
+        let folder = write_run(path, &key("M", curriculum, "default", seed), &[0.0, 0.5, 0.5]);
+        let records = folder.join(layout::RECORDS);
+        let lines = fs::read_to_string(&records).unwrap();
+        let told = lines.lines().zip(picked).map(|(line, picked)| {
+            line.replace("\"undefined\":null", &format!("\"picked_goals\":{picked},\"pick_rank_mean\":null"))
+                + "\n"
+        });
+        fs::write(&records, told.collect::<String>()).unwrap();
+    };
+    write_run(path, &key("M", "her-iid", "default", 0), &[0.0, 0.5, 0.5]);
+    let table = layout::report_dir(path).join("tables/teaching.tex");
+    report::write(path, &Options::default()).unwrap();
+    assert!(!table.exists(), "no teacher tells anything");
+    write("space", 0, [900, 10, 20]);
+    write("space", 1, [900, 40, 50]);
+    report::write(path, &Options::default()).unwrap();
+    assert!(table.is_file());
+    let csv = fs::read_to_string(layout::report_dir(path).join("teaching.csv")).unwrap();
+    let expected = "environment,curriculum,variant,n_seeds,picked_goals,effective_picks,effective_goals,pick_rank_mean,\
+                    score_success_correlation\nM,space,default,2,30.0,,,,\nM,her-iid,default,1,,,,,\n";
+    // Over evaluations 1 and 2 of two seeds: (15 + 45) / 2.
+    assert_eq!(csv, expected);
+    let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
+    let (_, section) = summary.split_once("## What teachers picked").unwrap();
+    assert!(section.contains("| M | SPaCE | default | 30.0 | – | – | – | – |"), "{section}");
+    assert!(section.contains("0.5 where every rank has its fair share of turns"));
 }
 
 fn report(results: &Path) -> report::Written {
@@ -67,6 +119,8 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let results = TempDir::new().unwrap();
     let folder = write_run(results.path(), &key("M", "teach", "default", 0), &[0.0, 0.5]);
     let heat = layout::report_dir(results.path()).join("figures/heat-M.svg");
+    let silent =
+        "which goals of the pool were picked: 1 of 1 runs have no record of it (older than the field)";
     let without = report(results.path());
     assert!(!heat.exists());
     let lacks = |written: &report::Written, method: &str| {
@@ -79,6 +133,11 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let with = report(results.path());
     assert!(heat.is_file());
     assert!(lacks(&with, "VDS") && !lacks(&with, "TEACH"), "{:?}", with.missing);
+    assert!(!with.missing.iter().any(|text| text == silent), "{:?}", with.missing);
     assert_eq!(with.problems.len(), 1);
     assert_eq!(with.problems[0].line, Some(2));
+    let old = Teaching { picks: None, ..teaching(1) };
+    fs::write(folder.join(layout::TEACHING), line(&old)).unwrap();
+    let old = report(results.path());
+    assert!(old.missing.iter().any(|text| text == silent), "{:?}", old.missing);
 }

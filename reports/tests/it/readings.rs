@@ -1,0 +1,288 @@
+//! Verdicts under several readings of the paper: which groups are readings, what they are set against, what is said.
+
+use std::fs;
+use std::path::Path;
+
+use super::support::{key, write_configured};
+use reports::group;
+use reports::layout;
+use reports::ledger::{Entry, Verdict};
+use reports::readings::{Claim, Readings};
+use reports::report::{self, Options};
+use reports::stats::Resampling;
+use reports::store::Store;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A config of TEACH with these settings, and the goals of its evaluations.
+fn teach(settings: &Value, goals: &str) -> Value {
+    json!({"evaluation": {"goals": goals}, "curriculum": {"teach": settings}})
+}
+
+fn baseline(curriculum: &str, goals: &str) -> Value {
+    json!({"evaluation": {"goals": goals}, "curriculum": {curriculum: {}}})
+}
+
+/// Seeds 0 to 6 of a group that end at about `rate`.
+fn write(results: &Path, environment: &str, curriculum: &str, variant: &str, rate: f64, config: &Value) {
+    for seed in 0..7_u32 {
+        let run = key(environment, curriculum, variant, seed.into());
+        write_configured(results, &run, &[0.0, rate + 0.005 * f64::from(seed % 3)], config.clone());
+    }
+}
+
+/// TEACH with two ways to select, HER-IID, and both on evaluation goals of the environment and of the pool.
+fn write_four(results: &Path, environment: &str) {
+    let select = |selection: &str| json!({"window": 10, "selection": selection});
+    for (goals, variant, easier) in [("environment", "", 0.0), ("pool", ",pool", 0.1)] {
+        let label = |name: &str| format!("{name}{variant}").trim_start_matches("default,").to_owned();
+        let write = |curriculum: &str, name: &str, rate: f64, config: &Value| {
+            write(results, environment, curriculum, &label(name), rate + easier, config);
+        };
+        write("teach", "default", 0.7, &teach(&select("proportional"), goals));
+        write("teach", "argmax", 0.4, &teach(&select("argmax"), goals));
+        write("her-iid", "default", 0.4, &baseline("her-iid", goals));
+    }
+}
+
+fn readings(results: &Path) -> Readings {
+    let store = Store::read(results).unwrap();
+    Readings::of(&group::groups(&store), 1, Resampling { resamples: 2_000, ..Resampling::default() })
+}
+
+fn claim<'a>(readings: &'a Readings, id: &str) -> &'a Claim {
+    readings.claims.iter().find(|claim| claim.judged[0].1.id == id).unwrap()
+}
+
+fn names(readings: &Readings) -> Vec<String> {
+    (1..=readings.readings.len()).map(|number| readings.name(number)).collect()
+}
+
+#[test]
+fn a_verdict_that_hangs_on_a_choice_is_named_by_it() {
+    let results = TempDir::new().unwrap();
+    for environment in ["MazeA", "MazeB"] {
+        write_four(results.path(), environment);
+    }
+    let found = readings(results.path());
+    // The window is the same everywhere and no choice of the paper's reader: not named.
+    let expected = [
+        "selection = proportional, evaluation goals = environment",
+        "selection = argmax, evaluation goals = environment",
+        "selection = argmax, evaluation goals = pool",
+        "selection = proportional, evaluation goals = pool",
+    ];
+    assert_eq!(names(&found), expected);
+    let ids: Vec<&str> = found.claims.iter().map(|claim| claim.judged[0].1.id.as_str()).collect();
+    assert_eq!(ids, ["final-her-iid", "area-her-iid"], "baselines that are there");
+    let claim = claim(&found, "final-her-iid");
+    let verdicts: Vec<(usize, Verdict)> = claim.judged.iter().map(|(n, entry)| (*n, entry.verdict)).collect();
+    let (yes, open) = (Verdict::Confirmed, Verdict::Undecided);
+    assert_eq!(verdicts, [(1, yes), (2, open), (3, open), (4, yes)]);
+    // Against the runs with the same goals: against the others it would be 0.4 and 0.1, or 0.2 and -0.1.
+    let differences: Vec<f64> =
+        claim.judged.iter().map(|(_, entry)| entry.effect.difference.unwrap()).collect();
+    for (difference, expected) in differences.iter().zip([0.3, 0.0, 0.0, 0.3]) {
+        assert!((difference - expected).abs() < 1e-9, "{differences:?}");
+    }
+    // Four readings share a miss of 0.05; two environments of seven pairs, all of one sign.
+    assert!(claim.judged.iter().all(|(_, entry)| (entry.confidence - 0.9875).abs() < 1e-12));
+    assert_eq!(claim.judged[0].1.effect.p, Some(2_f64.powi(-13)));
+    let expected =
+        "hangs on the reading: confirmed under selection = proportional, undecided under selection = argmax";
+    assert_eq!(claim.conclusion, expected);
+    assert!(claim.hangs());
+}
+
+#[test]
+fn readings_are_judged_as_the_ledger_judges() {
+    let results = TempDir::new().unwrap();
+    write_four(results.path(), "MazeA");
+    let store = Store::read(results.path()).unwrap();
+    let groups = group::groups(&store);
+    let resampling = Resampling { resamples: 2_000, ..Resampling::default() };
+    let ledger: Vec<Entry> = reports::ledger::ledger(&groups, 1, resampling);
+    let found = readings(results.path());
+    for id in ["final-her-iid", "area-her-iid"] {
+        // Four baselines there and four readings here: the same level.
+        let default = ledger.iter().find(|entry| entry.id == id).unwrap();
+        assert_eq!(claim(&found, id).judged[0].1, *default);
+    }
+}
+
+#[test]
+fn verdicts_that_agree_are_said_to() {
+    let results = TempDir::new().unwrap();
+    for environment in ["MazeA", "MazeB"] {
+        write(
+            results.path(),
+            environment,
+            "teach",
+            "default",
+            0.8,
+            &teach(&json!({"states": "reference"}), "pool"),
+        );
+        write(
+            results.path(),
+            environment,
+            "teach",
+            "replay",
+            0.7,
+            &teach(&json!({"states": "replay"}), "pool"),
+        );
+        write(results.path(), environment, "her-iid-pool", "default", 0.3, &baseline("her-iid-pool", "pool"));
+    }
+    let found = readings(results.path());
+    let claim = claim(&found, "final-her-iid-pool");
+    assert_eq!(claim.conclusion, "the same under all 2 readings: confirmed");
+    assert!(!claim.hangs());
+    assert!(claim.judged[0].1.statement.contains("HER-IID-pool"), "the control counts as a baseline here");
+}
+
+#[test]
+fn verdicts_that_no_single_choice_decides_are_named_by_number() {
+    let results = TempDir::new().unwrap();
+    for environment in ["MazeA", "MazeB"] {
+        for (variant, states, selection, rate) in [
+            ("default", "reference", "proportional", 0.8),
+            ("v2", "reference", "argmax", 0.3),
+            ("v3", "replay", "argmax", 0.85),
+            ("v4", "replay", "proportional", 0.1),
+        ] {
+            let config = teach(&json!({"states": states, "selection": selection}), "environment");
+            write(results.path(), environment, "teach", variant, rate, &config);
+        }
+        write(results.path(), environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+    }
+    let conclusion = claim(&readings(results.path()), "final-her-iid").conclusion.clone();
+    let expected = "hangs on the reading: confirmed under readings 1, 3, refuted under reading 4, undecided under reading 2";
+    assert_eq!(conclusion, expected);
+}
+
+#[test]
+fn readings_with_the_same_runs_are_one() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for environment in ["MazeA", "MazeB"] {
+        for (variant, record, rate) in [("default", "cycle", 0.6), ("record", "evaluation", 0.6)] {
+            let config = teach(&json!({"record": record, "interplay": 1}), "environment");
+            write(path, environment, "teach", variant, rate, &config);
+        }
+        write(path, environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+    }
+    assert_eq!(readings(path), Readings::default(), "one reading under two names is one");
+    for environment in ["MazeA", "MazeB"] {
+        for (interplay, rate) in [(5, 0.5), (50, 0.1)] {
+            let config = teach(&json!({"record": "evaluation", "interplay": interplay}), "environment");
+            write(path, environment, "teach", &format!("record,delta={interplay}"), rate, &config);
+        }
+    }
+    let found = readings(path);
+    let expected = [
+        "record = cycle, Δ = 1 (the same runs: record = evaluation, Δ = 1)",
+        "record = evaluation, Δ = 5",
+        "record = evaluation, Δ = 50",
+    ];
+    assert_eq!(names(&found), expected);
+    let claim = claim(&found, "final-her-iid");
+    let expected = "hangs on the reading: confirmed under Δ = 1 or 5, refuted under Δ = 50";
+    assert_eq!(claim.conclusion, expected);
+    let miss = 1.0 - claim.judged[0].1.confidence;
+    assert!((miss - 0.05 / 3.0).abs() < 1e-12, "three readings, not four");
+}
+
+#[test]
+fn only_environments_with_all_readings_count() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for environment in ["MazeA", "MazeC"] {
+        write_four(path, environment);
+    }
+    // Here the default alone was run, and it is far behind.
+    write(
+        path,
+        "MazeB",
+        "teach",
+        "default",
+        0.1,
+        &teach(&json!({"window": 10, "selection": "proportional"}), "pool"),
+    );
+    write(path, "MazeB", "her-iid", "default", 0.9, &baseline("her-iid", "pool"));
+    let found = readings(path);
+    assert_eq!(
+        (found.environments.join(" "), found.left_out.join(" ")),
+        ("MazeA MazeC".into(), "MazeB".into())
+    );
+    for (_, entry) in claim(&found, "final-her-iid").judged.iter() {
+        assert_eq!(entry.effect.environments, ["MazeA", "MazeC"]);
+    }
+}
+
+#[test]
+fn a_baseline_without_some_settings_is_set_against_the_others() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for environment in ["MazeA", "MazeB"] {
+        write_four(path, environment);
+        write(path, environment, "vds", "default", 0.2, &baseline("vds", "environment"));
+        // With other settings of the student: set against nothing.
+        let mut other = baseline("space", "environment");
+        other["student"] = json!({"width": 64});
+        write(path, environment, "space", "default", 0.2, &other);
+    }
+    let found = readings(path);
+    let vds = claim(&found, "final-vds");
+    let numbers: Vec<usize> = vds.judged.iter().map(|(number, _)| *number).collect();
+    assert_eq!(numbers, [1, 2]);
+    let expected =
+        "the same under all 2 readings: confirmed; no runs of VDS with the same settings under 2 more";
+    assert_eq!(vds.conclusion, expected);
+    assert!((vds.judged[0].1.confidence - 0.975).abs() < 1e-12, "two are tested");
+    assert!(found.claims.iter().all(|claim| claim.judged[0].1.id != "final-space"));
+}
+
+#[test]
+fn other_settings_of_teach_are_no_readings() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for (variant, window) in [("default", 10), ("n=3", 3)] {
+        let config = teach(&json!({"window": window, "selection": "proportional"}), "environment");
+        write(path, "MazeA", "teach", variant, 0.5, &config);
+    }
+    write(path, "MazeA", "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+    assert_eq!(readings(path), Readings::default());
+    let written = report::write(path, &Options::default()).unwrap();
+    let folder = layout::report_dir(path);
+    assert!(!folder.join("tables/readings.tex").exists());
+    assert_eq!(fs::read_to_string(folder.join("readings.csv")).unwrap().lines().count(), 1, "a header alone");
+    let page = fs::read_to_string(folder.join("index.html")).unwrap();
+    assert!(!page.contains("<section id=\"readings\">"));
+    assert!(written.missing.iter().all(|text| !text.contains("reading")), "{:?}", written.missing);
+}
+
+#[test]
+fn the_report_shows_every_claim_with_its_conclusion() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for environment in ["MazeA", "MazeB"] {
+        write_four(path, environment);
+    }
+    report::write(path, &Options { window: 1, ..Options::default() }).unwrap();
+    let folder = layout::report_dir(path);
+    let csv = fs::read_to_string(folder.join("readings.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 4, "a row per claim and reading");
+    let summary = fs::read_to_string(folder.join("summary.md")).unwrap();
+    let (_, section) = summary.split_once("## Does a claim's verdict hang on the reading?").unwrap();
+    let row = "| TEACH reaches a higher final success than HER-IID on average over environments | all together | hangs on it | \
+               hangs on the reading: confirmed under selection = proportional, undecided under selection = argmax |  |  |";
+    assert!(section.contains(row), "{section}");
+    assert!(section.contains("| 1: selection = proportional, evaluation goals = environment | confirmed |"));
+    assert!(section.contains("at 95 % together for the readings of one claim (Bonferroni's correction"));
+    for place in ["tables/readings.tex", "DATA.md", "index.html"] {
+        let text = fs::read_to_string(folder.join(place)).unwrap();
+        assert!(text.contains("eading"), "{place}");
+    }
+    let page = fs::read_to_string(folder.join("index.html")).unwrap();
+    let at = |id: &str| page.find(&format!("<section id=\"{id}\">")).unwrap();
+    assert!(at("ledger") < at("readings") && at("readings") < at("comparisons"));
+}
