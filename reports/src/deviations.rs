@@ -24,9 +24,30 @@ pub static DEVIATIONS: &[Deviation] = &[
         "the public HER configuration of OpenAI Baselines, with one environment worker",
     ),
     row(
+        "When the student learns",
+        "an update after every environment step (Algorithm 2)",
+        "40 gradient steps after every two episodes, as in OpenAI Baselines",
+    ),
+    row(
         "Input normalisers",
+        "none mentioned",
+        "as in OpenAI Baselines: relabelled samples of new episodes, beginning with one pseudo-observation of 0; fed after \
+         every episode, not once per cycle",
+    ),
+    row(
+        "Exploration",
+        "added noise, with an Ornstein-Uhlenbeck process as an example",
+        "Gaussian noise and 30 % uniform actions, as in OpenAI Baselines; Ornstein-Uhlenbeck is a setting",
+    ),
+    row(
+        "An episode's last step",
         "not described",
-        "running means and standard deviations that begin with one pseudo-observation of 0, as in OpenAI Baselines",
+        "kept; OpenAI Baselines drops it and counts success one step earlier",
+    ),
+    row(
+        "The N goals",
+        "sampled uniformly from the goal space",
+        "drawn once from the environment's own distribution of goals",
     ),
     row(
         "States of the confidence score",
@@ -38,21 +59,23 @@ pub static DEVIATIONS: &[Deviation] = &[
     row("Range of the confidence score", "Eq. 7 sets no bounds", "TEACH's confidence is not clipped"),
     row(
         "Smoothed confidence",
-        "section 5.4 and Eq. 12 speak of a smoothed value function, not of a smoothed policy",
-        "the target critic about the online policy's actions (`target-critic`); target critic and target policy \
-         (`target`) are a setting",
+        "a Polyak-averaged value function (section 5.4, Eq. 12); neither its coefficient nor whose action it judges",
+        "the averaged critic about the trained policy's action (`target-critic`), with the coefficient 0.95; that of an \
+         averaged policy (`target`) is a setting",
     ),
     row(
         "Choice of the goal",
-        "sampling in proportion (Eq. 11) in one place, the goal of highest variance (section 5.2) in another",
-        "in proportion; the highest is a setting",
+        "in proportion to the variance (Eq. 11), or the goal of maximum uncertainty (section 5.2); at every step (Algorithm \
+         2), or once per episode (section 5.2)",
+        "in proportion, once per episode; the maximum is a setting",
     ),
     row(
         "One timestep of the window",
-        "the sum of Eq. 8 runs over Algorithm 2's own time, where Δ only says when the curriculum is computed anew",
-        "a value is recorded whenever the networks have changed, once per cycle of two episodes, and Δ says how often the \
-         curriculum is computed anew from the last n values; to record only when Δ is due (`record = evaluation`) is a \
-         setting. With steps of the environment taken literally the student's networks would stand still within a window",
+        "Algorithm 2's own time: every environment step, each with an update of the student; Δ only says when the curriculum \
+         is computed anew",
+        "a value is recorded whenever the networks have changed, once per cycle: n = 10 spans 20 episodes, not 10 steps, in \
+         which this student's networks would stand still. Δ says how often the curriculum is computed anew from the \
+         last n values; to record only when Δ is due (`record = evaluation`) is a setting",
     ),
     row(
         "SPaCE's growth of the goal set",
@@ -60,20 +83,32 @@ pub static DEVIATIONS: &[Deviation] = &[
         "the set grows when progress stagnates, as in SPaCE's paper and code",
     ),
     row(
-        "SPaCE's updates",
-        "not described",
-        "the set is updated every 2048 environment steps; until then its goals take turns",
+        "SPaCE's order and updates",
+        "names no order, threshold or interval",
+        "one more goal when the set's mean value stagnates (η = 0.1), largest improvement first, every 2048 environment \
+         steps; SPaCE's code by default ranks the lowest value first and waits 100 steps per goal of the set",
     ),
     row(
-        "ProCuRL's tasks",
-        "a geometric mean of the value function over goals, without saying at which states",
-        "a start with its goal, as in ProCuRL's paper: confidence is asked anew for every start; the states of TEACH are a \
-         setting",
+        "SPaCE's values",
+        "the agent's predictions of state values, extended to DDPG and HER",
+        "Q at the greedy action from held replay states; SPaCE's code takes each instance's own start",
+    ),
+    row(
+        "ProCuRL's value and interval",
+        "the goal of the highest geometric mean of the value function; no formula, no interval",
+        "a draw by softmax of p(1 − p), β = 20, with p from the value of the coming start between its bounds, renewed at \
+         every start and change of the networks; with a reward of −1 per step p also falls with the time that success takes",
+    ),
+    row(
+        "VDS's ensemble",
+        "\"official implementation\"",
+        "40 gradient steps per cycle on batches of the student's size; `official` takes 100 of 1000 after every episode, as \
+         the command of VDS's README does; candidates come from the environment at hand, not from another instance",
     ),
     row(
         "Hyper-parameters of baselines",
-        "refers to official code",
-        "the same student for all methods; official settings are a preset",
+        "official code for HER-IID and VDS, own extensions of SPaCE and ProCuRL; no values",
+        "the same student for all methods; `official` has 3 layers, batches of 256 and one episode per cycle",
     ),
     row(
         "Control for the goal pool",
@@ -88,7 +123,7 @@ pub static DEVIATIONS: &[Deviation] = &[
     ),
     row(
         "Grids of ablations",
-        "prints no values beyond n = 3, n = 10 and Δ = 1",
+        "the text names no values beyond n = 3, n = 10 and Δ = 1",
         "n of 3, 5, 10 and 20; Δ of 1, 2, 5, 10 and 50",
     ),
     row(
@@ -110,7 +145,7 @@ pub static DEVIATIONS: &[Deviation] = &[
     ),
     row(
         "Action dimension of Fetch",
-        "Table 1 prints 3",
+        "Table 1 prints 3, and 4 for FetchPickAndPlace",
         "4, as the environments take; the last moves the fingers, in FetchPickAndPlace only",
     ),
     row(

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use agents::{AgentError, Batch, Critic, Episode, Network};
-use curricula::{Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, Statistics};
+use curricula::{Choice, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, Statistics};
 use envs::rng::Rng;
 use envs::{EnvError, GoalEnv, Observation, Rows, Spec};
 use toml::Table;
@@ -79,6 +79,10 @@ impl Curriculum for Watched {
         note_all(env.goal());
         note_all(&env.observation().state);
         self.0.learn(&mut WatchedStudent(student), env, rng)
+    }
+
+    fn choice(&self) -> Option<Choice> {
+        self.0.choice()
     }
 
     fn weights(&self) -> Option<&[f64]> {
