@@ -5,6 +5,8 @@
 //! the papers are silent.
 //!
 //! # Deviations and choices
+//! Baselines is `openai/baselines` (commit ea25b9e, `baselines/her/`).
+//!
 //! - TEACH's Algorithm 2 updates the student after every environment step. Here it learns once per cycle, 40
 //!   gradient steps after two episodes, or 0.4 per environment step where H = 50 (Baselines' config).
 //! - A cycle's two episodes are played one after the other by one worker. Baselines plays them side by side (one,

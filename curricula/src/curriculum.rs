@@ -48,7 +48,7 @@ pub struct Setting {
 /// What a teacher thought of a goal when it chose it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// How the method scored the goal: the larger, the more it wanted it. Finite.
+    /// How the method scored the goal: the larger, the more it wanted it. What is not finite is recorded as none.
     pub score: f64,
     /// Where a method trains on a ranked set: the goal's place in it.
     pub rank: Option<Rank>,

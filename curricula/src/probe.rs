@@ -47,14 +47,15 @@ impl ProbeConfig {
     /// Checks the ranges, for a probe that compares `window` evaluations.
     ///
     /// # Errors
-    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024 or a `renewal` below `window`: states that are
-    /// renewed sooner could never fill it.
+    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or held states with a `renewal` below `window`: those
+    /// that are renewed sooner could never fill it.
     pub fn check(&self, window: usize) -> Result<(), CurriculumError> {
         let accepted = format!("in 1..={MOST_REPLAY_STATES}");
         let ok = (1..=MOST_REPLAY_STATES).contains(&self.replay_states);
         CurriculumError::require(ok, "replay_states", &accepted, self.replay_states)?;
         let accepted = format!("at least {window}, the evaluations that are compared");
-        CurriculumError::require(self.renewal >= window as u64, "renewal", &accepted, self.renewal)
+        let ok = self.states != StateSource::Reference || self.renewal >= window as u64;
+        CurriculumError::require(ok, "renewal", &accepted, self.renewal)
     }
 }
 
@@ -146,7 +147,6 @@ impl Probe {
         }
         let Some(states) = self.states(config, lesson) else { return Ok(Answer::NoStates) };
         let values = measure(config, pool, &states, lesson)?;
-        self.summary = Some(summarise(&values));
         self.evaluations += 1;
         if moved {
             self.current.window.push(values);
@@ -157,6 +157,7 @@ impl Probe {
         if config.states == StateSource::Reference {
             self.renew(config, pool, lesson)?;
         }
+        self.summary = self.window().last().map(summarise);
         self.asked_at = Some(now);
         self.asked_from.clone_from(&lesson.start.state);
         Ok(Answer::Recorded)
@@ -223,7 +224,8 @@ impl Probe {
         for series in std::iter::once(&self.current).chain(&self.successor) {
             series.window.check(goals, window)?;
         }
-        if self.successor.as_ref().is_some_and(|successor| successor.states.is_none()) {
+        let held = |series: &Series| series.states.as_ref().is_some_and(|states| !states.is_empty());
+        if self.successor.as_ref().is_some_and(|successor| !held(successor)) {
             return Err(snapshot::refuse("a successor without states"));
         }
         Ok(())

@@ -129,6 +129,11 @@ fn episodes(curriculum: &str) -> Vec<Episode> {
 
 /// The same of the run with `seed`, with further settings.
 fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
+    watched(curriculum, seed, more, &mut Nobody)
+}
+
+/// The same of a run that `watcher` watches.
+fn watched(curriculum: &str, seed: u64, more: &[&str], watcher: &mut dyn Watcher) -> Vec<Episode> {
     agents::prepare_thread();
     let spec = Spec { id: "Noted", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
     let registry =
@@ -153,7 +158,7 @@ fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
         seed,
     };
     EPISODES.with_borrow_mut(Vec::clear);
-    Trainer::new(&registry, key, config).expect("a run").run(&mut Nobody).expect("it ends well");
+    Trainer::new(&registry, key, config).expect("a run").run(watcher).expect("it ends well");
     EPISODES.take()
 }
 
@@ -208,11 +213,14 @@ fn goals_of_evaluations_come_from_the_one_pool_of_all_methods_on_request() {
         .map(|all| of(all, Purpose::Pool).into_iter().map(|episode| episode.goal).collect::<Vec<_>>());
     assert_eq!(pool, of_iid, "drawn for a method that does not choose from it, too");
     pool.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let fresh = episodes("her-iid");
     let mut asked: Vec<Vec<f64>> = Vec::new();
     for index in 0..=STEPS / 80 {
         let of_teach = goals(&teach, index);
         assert_eq!(of_teach.len(), EPISODES_EACH);
         assert_eq!(of_teach, goals(&iid, index), "evaluation {index}");
+        let starts = |all: &[Episode]| of(all, Purpose::Evaluation(index)).into_iter().map(|one| one.start);
+        assert!(starts(&iid).eq(starts(&fresh)), "starts are the same wherever goals come from");
         asked.extend(of_teach);
     }
     assert!(asked.iter().all(|goal| pool.contains(goal)), "{asked:?}");
@@ -221,7 +229,7 @@ fn goals_of_evaluations_come_from_the_one_pool_of_all_methods_on_request() {
     assert!(asked.len() > 5, "only {} of 18 draws from 20 goals differ", asked.len());
     // HER-IID trains on goals of the environment as ever, and by default is evaluated on them.
     assert!(of(&iid, Purpose::Environment).iter().all(|episode| episode.set.is_none()));
-    assert!(episodes("her-iid").iter().all(|episode| episode.set.is_none()));
+    assert!(fresh.iter().all(|episode| episode.set.is_none()));
 }
 
 #[test]
@@ -246,4 +254,37 @@ fn the_seed_of_one_stream_can_be_held_while_the_run_varies() {
     assert_eq!(first(SEED, both), first(SEED + 1, both));
     assert_ne!(first(SEED, &["seed.evaluation=5"]), first(SEED + 1, &["seed.evaluation=5"]));
     assert_eq!(pool_of(SEED, false).0, [], "unless it is held, the pool is the run's");
+}
+
+/// VDS' ensemble learns with the student, not in its warm-up.
+#[test]
+fn nobody_learns_in_a_warm_up() {
+    struct Updates(Vec<(u64, u64)>);
+    impl Watcher for Updates {
+        fn spent(&mut self, _: Phase, _: Duration) {}
+
+        fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
+            let updates = record.teacher["ensemble_updates"].as_f64().expect("a number");
+            self.0.push((record.gradient_steps, updates as u64));
+            Ok(())
+        }
+
+        fn cycle(&mut self, _: u64, _: bool) -> std::io::Result<Wish> {
+            Ok(Wish::GoOn)
+        }
+
+        fn replay_folder(&self) -> &Path {
+            Path::new("")
+        }
+
+        fn save(&mut self, _: TrainerState) -> std::io::Result<()> {
+            Err(std::io::Error::other("nobody wished for a checkpoint"))
+        }
+    }
+    let more =
+        ["student.warmup_episodes=6", "curriculum.vds.updates_per_cycle=4", "curriculum.vds.candidates=20"];
+    let mut updates = Updates(Vec::new());
+    watched("vds", SEED, &more, &mut updates);
+    // Cycles of two episodes, 4 steps of both in each from the third on, when 6 episodes are over; evaluated every other cycle.
+    assert_eq!(updates.0, [(0, 0), (0, 0), (8, 8), (16, 16), (24, 24), (32, 32)]);
 }

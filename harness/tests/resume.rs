@@ -14,8 +14,12 @@ use reports::layout;
 use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, toy, toy_args};
 
-/// Long enough to be killed in: about three seconds.
-const LONGER: [&str; 8] = [
+/// Long enough to be killed in: about three seconds. Both teachers have much to remember; SPaCE's set has grown before long.
+const LONGER: [&str; 12] = [
+    "--curriculum",
+    "teach,space",
+    "--set",
+    "curriculum.space.update_steps=40",
     "--steps",
     "4000",
     "--set",

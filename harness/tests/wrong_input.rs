@@ -94,6 +94,10 @@ fn mistyped_config_keys_on_the_command_line_are_named_with_the_accepted_ones() {
     );
     refused(&set("student.preset=best"), &["student.preset", "harmonised, official"]);
     refused(&set("budget.steps=many"), &["budget.steps"]);
+    refused(&set("seed=3"), &["--set seed=3: seed: ", "a table of seeds by kind", "`seeds`"]);
+    refused(&set("seed.pools=3"), &["seed.pools", "did you mean `pool`?"]);
+    refused(&set("seed.pool=-1"), &["seed.pool"]);
+    refused(&set("evaluation.goals=pols"), &["evaluation.goals", "did you mean `pool`?"]);
 }
 
 #[test]

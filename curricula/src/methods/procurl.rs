@@ -7,6 +7,8 @@
 //! ([`Distribution::softmax`]).
 //!
 //! # Deviations and choices
+//! The authors' code is `machine-teaching-group/tmlr2023_proximal-curriculum-rl` (commit 17904f1).
+//!
 //! - The paper's score is PoS(s) (PoS*(s) − PoS(s)) with the optimal probability of success PoS*; as in the
 //!   authors' code, PoS* = 1.
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' PPO.

@@ -7,6 +7,8 @@
 //! those whose value improved most since the last update.
 //!
 //! # Deviations and choices
+//! The authors' code is `automl/SPaCE` (commit 396555d, `src/baselines_spl.py`); the port is that of ProCuRL's authors.
+//!
 //! - The set grows when progress *stagnates*, as in the authors' code; TEACH's summary reads the other way round.
 //! - Goals rank by improvement, V_i(t) − V_i(t−1), as in ProCuRL's port of SPaCE. That is `improvement` in the
 //!   authors' code; its default and its run scripts use `absolute`, lowest V first.
@@ -20,7 +22,8 @@
 //!   0 itself.
 //! - The authors' code compares with η |m_t|, having overwritten m_{t−1} just before. Here it is η |m_{t−1}|, as in
 //!   the port (which asks for <, where this and the authors' code ask for ≤).
-//! - m_{t−1} is measured from the same states as m_t, over the set that was trained on before the last update.
+//! - With `reference`, m_{t−1} is measured from the same states as m_t; it is the mean over the set that was trained on
+//!   before the last update.
 //! - K grows by exactly κ. In the authors' code the size is a fraction of the pool, rounded up, and now and then
 //!   leaps by two.
 //! - After place i of the set comes place (i + 1) mod K, with the K of that moment, also across updates, as in the
@@ -28,7 +31,7 @@
 //!   episodes modulo a K that grows would never fall on some places.
 //! - `relative` divides by |V_i(t−1)|. The authors' code divides by V_i(t−1), which turns the order round for
 //!   negative values, and at the first update by 0, which leaves the sign of V_i alone. Here the first update ranks
-//!   like `signed`. Later, a goal that declines from exactly 0 ranks last.
+//!   like `signed`. Later, a goal that declines from exactly 0 ranks last, one that rises from it first.
 //! - V_i is the confidence from states of the replay buffer, held between two updates ([`Probe`](crate::Probe)). In
 //!   the authors' code it is the value of the instance's own start. With `initial` it is that of the coming
 //!   episode, and V_i(t) and V_i(t−1) belong to two starts wherever starts are random.
@@ -49,7 +52,6 @@ use crate::pool_state::PoolState;
 use crate::probe::{Answer, ProbeConfig, StateSource};
 use crate::registry::Method;
 use crate::snapshot;
-use crate::window::Window;
 
 /// Version of [`State`] in saved bytes.
 const VERSION: u32 = 3;
@@ -211,9 +213,9 @@ fn mean_over(goals: impl ExactSizeIterator<Item = usize>, values: &[f64]) -> f64
 }
 
 impl State {
-    /// Algorithm 1's update from the newest values in `window` and those before: grow the set if progress stagnates, then
-    /// choose it anew.
-    fn update(&mut self, config: &SpaceConfig, window: &Window) {
+    /// Algorithm 1's update from the newest values and those before: grow the set if progress stagnates, then choose it anew.
+    fn update(&mut self, config: &SpaceConfig) {
+        let window = self.common.probe.window();
         let values = window.last().expect("an update follows an evaluation");
         let mean = mean_over(self.set.iter().map(|&(goal, _)| goal), values);
         let (size, mut ranked) = match window.before_last() {
@@ -256,8 +258,7 @@ impl Curriculum for Space {
             && state.common.probe.ask(&config.probe(), pool, lesson, false)? == Answer::Recorded
         {
             state.steps %= config.update_steps;
-            let window = state.common.probe.window().clone();
-            state.update(config, &window);
+            state.update(config);
         }
         let place = next_turn(state.turn, state.set.len());
         state.turn = Some(place);

@@ -10,13 +10,13 @@
 //! # Deviations and choices
 //! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states, the
 //!   paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so that δ moves
-//!   with the networks and their input normalisers alone, not with the sample. After every 100 evaluations others
-//!   take over, without the window ever comparing different states. The first come from the first episode alone, as
+//!   with the networks and their input normalisers alone, not with the sample. Every 100 evaluations others take
+//!   over, the first time after 100 and a window of them, without the window ever comparing different states. The first come from the first episode alone, as
 //!   the buffer holds nothing else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte
 //!   Carlo, which adds Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of
 //!   D; where starts are random they move δ, too.
 //! - Eq. 7 has no clip, so values count as they are. An untrained critic's may lie outside [−1/(1−γ), 0].
-//! - In Algorithm 2, which Eq. 8's k counts along with, every environment step brings an update of the student.
+//! - Eq. 8's k runs over the time of Algorithm 2, where every environment step brings an update of the student.
 //!   Here the student learns once per cycle, so a window of n environment steps would nearly always hold n equal
 //!   values. A value is therefore recorded once per change of the networks (`record = "cycle"`): n = 10 spans ten
 //!   cycles, which at the student's defaults are 20 episodes (1,000 steps where H = 50) and 400 gradient steps; in
@@ -167,7 +167,7 @@ pub struct Teach {
     config: TeachConfig,
     pool: Arc<Goals>,
     state: State,
-    /// The last goal's weight in the curriculum.
+    /// The last goal's progress.
     choice: Option<Choice>,
 }
 
@@ -179,6 +179,8 @@ struct State {
     /// Whether a curriculum has fallen due that could not be computed yet.
     due: bool,
     common: PoolState,
+    /// The progress of every goal, shape `[N]`, that the curriculum was computed from; empty before the first.
+    progress: Vec<f64>,
 }
 
 impl Method for Teach {
@@ -197,18 +199,20 @@ impl Method for Teach {
     fn build(config: TeachConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         let pool = Arc::clone(&setting.pool);
         let common = PoolState::new(Distribution::uniform(pool.len()), config.window);
-        Ok(Box::new(Self { config, pool, state: State { episodes: 0, due: false, common }, choice: None }))
+        Ok(Box::new(Self {
+            config,
+            pool,
+            state: State { episodes: 0, due: false, common, progress: Vec::new() },
+            choice: None,
+        }))
     }
 }
 
 impl TeachConfig {
-    /// K: in proportion to each goal's progress over the window, or all on the largest. `lowest` is −1/(1−γ).
-    fn curriculum(&self, window: &Window, lowest: f64) -> Result<Distribution, CurriculumError> {
-        // Values that no return can have are rounded more coarsely.
-        let lowest = lowest.min(-window.magnitude());
-        let progress = self.signal.of(window);
+    /// K: in proportion to each goal's `progress`, shape `[N]`, or all on the largest; of values down to `lowest`.
+    fn curriculum(&self, progress: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
         let proportional =
-            Distribution::proportional(&progress, self.signal.negligible(lowest), "learning progress")?;
+            Distribution::proportional(progress, self.signal.negligible(lowest), "learning progress")?;
         match self.selection {
             Selection::Proportional => Ok(proportional),
             Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
@@ -226,11 +230,14 @@ impl Curriculum for Teach {
             if state.due && answer != Answer::NoStates {
                 state.due = false;
                 let window = state.common.probe.window();
-                state.common.curriculum = config.curriculum(window, lesson.student.lowest_value())?;
+                state.progress = config.signal.of(window);
+                // Values that no return can have are rounded more coarsely.
+                let lowest = lesson.student.lowest_value().min(-window.magnitude());
+                state.common.curriculum = config.curriculum(&state.progress, lowest)?;
             }
         }
         let goal = state.common.curriculum.draw(lesson.rng);
-        *choice = Some(Choice { score: state.common.curriculum.probabilities()[goal], rank: None });
+        *choice = state.progress.get(goal).map(|&score| Choice { score, rank: None });
         Ok(Proposal::Pool(goal))
     }
 
@@ -253,6 +260,9 @@ impl Curriculum for Teach {
     fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
         let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
         state.common.check(self.pool.len(), self.config.window)?;
+        if !state.progress.is_empty() {
+            snapshot::require_goals(state.progress.len(), self.pool.len())?;
+        }
         self.state = state;
         Ok(())
     }

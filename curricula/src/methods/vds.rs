@@ -8,6 +8,8 @@
 //! drawn in proportion to the members' disagreement ([`Disagreement`], [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
+//! The authors' code is `zzyunzhi/vds` (commit a29fc5a, `baselines/`).
+//!
 //! - How much the ensemble learns: the authors' README runs `baselines.ve_run`, which after every single episode
 //!   takes 100 steps of 1000 transitions per member, then 40 steps of 256 of the student. The student's preset
 //!   `official` does the same. Else the ensemble takes 40 steps per cycle on batches of the student's size, as
@@ -48,7 +50,7 @@ use crate::snapshot;
 use crate::variance::{population_variance, rounding};
 
 /// Version of [`State`] in saved bytes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// VDS's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use curricula::{CurriculumError, Distribution, PoolState, snapshot};
 
-use crate::support::{Class, Script};
+use crate::support::{Class, Script, entry};
 
 /// A class of SPaCE that updates its set before every episode but the first.
 fn space(config: &str, goals: usize, script: Script) -> Class {
@@ -186,6 +186,20 @@ fn an_update_falls_due_every_so_many_steps() {
     assert_eq!(class.statistic("evaluations"), 0.0);
     class.cycles(1);
     assert_eq!(class.statistic("evaluations"), 1.0);
+}
+
+#[test]
+fn with_initial_states_an_update_is_measured_from_the_start_at_hand() {
+    let config = "states = \"initial\"\nupdate_steps = 1";
+    let mut class = Class::on("FetchPush", entry("space"), config, 4, |_, _| -1.0).unwrap();
+    for update in 0..3 {
+        class.cycles(1);
+        assert_eq!(class.student.asked.len(), update);
+        if let Some(question) = class.student.asked.last() {
+            assert_eq!(question.states.as_slice(), class.start.state);
+        }
+    }
+    assert_ne!(class.student.asked[0].states, class.student.asked[1].states, "another start");
 }
 
 #[test]

@@ -14,7 +14,7 @@ fn teach(config: &str, goals: usize, script: crate::support::Script) -> Class {
 /// What the teacher holds: episodes, whether a curriculum is due, and the probe with its window.
 fn held(class: &Class) -> PoolState {
     let bytes = class.teacher.save().expect("plain data");
-    snapshot::load::<(u64, bool, PoolState)>("teach", 3, &bytes).expect("this layout").2
+    snapshot::load::<(u64, bool, PoolState, Vec<f64>)>("teach", 3, &bytes).expect("this layout").2
 }
 
 /// Goal 0 swings by 1 around its mean, goal 1 by 2; goals 2 and 3 stand still, one of them mastered.
@@ -218,6 +218,14 @@ fn the_control_goes_by_the_last_change_alone() {
 }
 
 #[test]
+fn a_long_window_needs_a_long_renewal_where_states_are_held_alone() {
+    let accepted = |config: &str| (entry("teach").resolve)(config.parse().unwrap()).is_ok();
+    assert!(!accepted("window = 200"));
+    assert!(accepted("window = 200\nrenewal = 200"));
+    assert!(accepted("window = 200\nstates = \"replay\"") && accepted("window = 200\nstates = \"initial\""));
+}
+
+#[test]
 fn values_beyond_any_return_are_as_good_as_others() {
     // An untrained critic above 0: clipped to 0 all goals would stand still.
     let mut class = teach("window = 2", 3, |goal, steps| 5.0 + (goal as u64 * steps) as f64);
@@ -226,13 +234,16 @@ fn values_beyond_any_return_are_as_good_as_others() {
 }
 
 #[test]
-fn a_choice_is_told_with_its_weight() {
-    let mut class = teach("window = 4", 4, swinging);
-    assert_eq!(class.teacher.choice(), None);
-    class.cycles(4);
-    let goal = class.propose_index();
-    let choice = class.teacher.choice().expect("a goal was chosen");
-    assert_eq!((choice.score, choice.rank), (class.weights()[goal], None));
+fn a_choice_is_told_with_its_progress() {
+    for selection in ["proportional", "argmax"] {
+        let mut class = teach(&format!("window = 4\nselection = \"{selection}\""), 4, swinging);
+        assert_eq!(class.teacher.choice(), None);
+        class.cycles(4);
+        let goal = class.propose_index();
+        let choice = class.teacher.choice().expect("a goal was chosen");
+        // Variances 1, 4, 0 and 0.
+        assert_eq!((choice.score, choice.rank), ([1.0, 4.0, 0.0, 0.0][goal], None), "{selection}");
+    }
 }
 
 #[test]
@@ -265,7 +276,7 @@ fn a_state_that_contradicts_its_config_is_refused() {
     assert!(teach("window = 3", 4, swinging).teacher.load(&three).is_ok());
     assert!(refusal("window = 4", &three).contains("3 evaluations in a window of 3; its config says 4"));
     let other_pool = PoolState::new(Distribution::uniform(5), 3);
-    let bytes = snapshot::save("teach", 3, &(7u64, false, other_pool));
+    let bytes = snapshot::save("teach", 3, &(7u64, false, other_pool, Vec::<f64>::new()));
     assert!(refusal("window = 3", &bytes).contains("written for 5 goals; the pool has 4"));
 }
 
@@ -277,7 +288,7 @@ mod standstill {
 
     use super::*;
 
-    /// Goals with a weight of their own in the end, and the effective number of goals.
+    /// The effective number of goals in the end.
     fn taught(states: &str, student: &str) -> f64 {
         agents::prepare_thread();
         let mut env = envs::make("FetchPush", &envs::Options::default()).unwrap();

@@ -22,7 +22,7 @@ fn ensemble(class: &Class, config: EnsembleConfig) -> Ensemble {
 fn saved_ensemble(class: &Class) -> Vec<u8> {
     let saved = class.teacher.save().expect("plain data");
     // The state is the ensemble's bytes and five numbers for the records.
-    let (ensemble, _) = snapshot::load::<(Vec<u8>, [f64; 5])>("vds", 1, &saved).expect("this layout");
+    let (ensemble, _) = snapshot::load::<(Vec<u8>, [f64; 5])>("vds", 2, &saved).expect("this layout");
     ensemble
 }
 

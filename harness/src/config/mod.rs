@@ -36,7 +36,7 @@ pub struct RunConfig {
     /// Seeds of single random streams.
     #[serde(default)]
     pub seed: StreamSeeds,
-    /// The student's hyper-parameters, every `auto` replaced by its number.
+    /// The student's hyper-parameters, every `auto` that stands for a number replaced by it.
     pub student: StudentConfig,
     /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`.
     pub curriculum: Table,

@@ -1,4 +1,4 @@
-//! Seeds of single random streams, apart from the run's.
+//! Random streams of a run, and seeds of single ones apart from the run's.
 
 use agents::Auto;
 use envs::rng::{Purpose, Rng, stream};
@@ -9,7 +9,11 @@ use serde::{Deserialize, Serialize};
 /// With one of them held while the run's seed varies, the spread over seeds shows what the others contribute: the variance that
 /// comes of the pool of goals, say, apart from that of the initial weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "a table of seeds by kind, as in { pool = 3 }; the seeds of runs are `seeds`"
+)]
 pub struct StreamSeeds {
     /// Initial weights of the student.
     pub weights: Auto<u64>,
@@ -25,6 +29,31 @@ pub struct StreamSeeds {
     pub pool: Auto<u64>,
     /// Start states and goals of evaluations.
     pub evaluation: Auto<u64>,
+}
+
+/// Streams of the training side, one per purpose.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Streams {
+    /// Start states and native goals.
+    pub environment: Rng,
+    /// Exploration noise.
+    pub exploration: Rng,
+    /// Batches and hindsight goals.
+    pub replay: Rng,
+    /// What the teacher draws.
+    pub teacher: Rng,
+}
+
+impl Streams {
+    /// Those of the run with seed `run`, at their beginning.
+    pub fn new(seeds: &StreamSeeds, run: u64) -> Self {
+        Self {
+            environment: seeds.stream(run, Purpose::Environment),
+            exploration: seeds.stream(run, Purpose::Exploration),
+            replay: seeds.stream(run, Purpose::Replay),
+            teacher: seeds.stream(run, Purpose::Teacher),
+        }
+    }
 }
 
 impl StreamSeeds {

@@ -93,6 +93,8 @@ struct Header {
     _physics: Table,
     #[serde(default, rename = "pool")]
     _pool: Table,
+    #[serde(default, rename = "seed")]
+    _seed: Table,
     #[serde(default, rename = "student")]
     _student: Table,
     #[serde(default, rename = "curriculum")]
@@ -266,4 +268,19 @@ fn check_label(label: &str) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_section_of_the_config_can_stand_in_a_protocol() {
+        let header = "name = 'x'\nenvironments = ['Point']\ncurricula = ['teach']\nseeds = [0]\n";
+        for section in SECTIONS {
+            let text = format!("{header}[{section}]\n");
+            let protocol = Protocol::parse("test", &text, &Registry::builtin()).expect(section);
+            assert!(protocol.base.table.contains_key(section), "{section}");
+        }
+    }
 }

@@ -68,7 +68,7 @@ pub fn evaluate(
 }
 
 /// Runs `episodes` greedy episodes with starts from the environment's own distribution and goals from there, too, or evenly from
-/// `pool` if there is one, all drawn from `rng` alone, one after the other. As many episodes as there are instances in `envs` are played in lockstep; `played` then hears how many.
+/// `pool` if there is one, all drawn from `rng` and its key alone, one after the other. As many episodes as there are instances in `envs` are played in lockstep; `played` then hears how many.
 ///
 /// The number of instances changes neither starts nor goals; it changes actions by rounding alone, because a product of
 /// several rows may add up in another order than one of a single row.
@@ -88,10 +88,13 @@ pub fn tally(
 ) -> Result<Tally, RunError> {
     assert!(!envs.is_empty(), "an evaluation needs an environment");
     let mut tally = Tally::default();
+    // The same key, but draws of its own: starts are the same wherever goals come from.
+    let mut picks = rng.clone();
+    picks.set_stream(1);
     while tally.episodes < episodes {
         let group = (episodes - tally.episodes).min(envs.len() as u64);
         let playing = &mut envs[..group as usize];
-        play(playing, student, pool, rng, &mut tally)?;
+        play(playing, student, pool.map(|pool| (pool, &mut picks)), rng, &mut tally)?;
         played(group);
     }
     Ok(tally)
@@ -101,7 +104,7 @@ pub fn tally(
 fn play(
     envs: &mut [Box<dyn GoalEnv>],
     student: &mut dyn Critic,
-    pool: Option<&Goals>,
+    mut pool: Option<(&Goals, &mut Rng)>,
     rng: &mut Rng,
     tally: &mut Tally,
 ) -> Result<(), RunError> {
@@ -109,8 +112,8 @@ fn play(
     let (mut states, mut goals) = (Rows::new(spec.state), Rows::new(spec.goal));
     for env in &mut *envs {
         env.reset(rng)?;
-        if let Some(pool) = pool {
-            env.set_goal(pool.row(rng.random_range(0..pool.len())))?;
+        if let Some((pool, picks)) = &mut pool {
+            env.set_goal(pool.row(picks.random_range(0..pool.len())))?;
         }
         goals.push(env.goal());
     }

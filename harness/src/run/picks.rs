@@ -47,7 +47,9 @@ pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, pick: Option<usize>, cho
     let picks = teaching.picks.get_or_insert_default();
     let before = picks.len();
     picks.push(pick.map(narrow));
-    push(&mut teaching.scores, before, choice.map(|choice| choice.score as f32));
+    // A score that is infinite in single precision has no JSON form.
+    let score = choice.map(|choice| choice.score as f32).filter(|score| score.is_finite());
+    push(&mut teaching.scores, before, score);
     push(&mut teaching.ranks, before, rank.map(|rank| narrow(rank.place)));
     if let Some(rank) = rank {
         ranks.push(rank);
@@ -138,7 +140,7 @@ mod tests {
         note(&mut teaching, &mut ranks, None, None);
         assert_eq!((&teaching.picks, &teaching.scores), (&Some(vec![None]), &None));
         note(&mut teaching, &mut ranks, Some(4), choice(0.5, None));
-        note(&mut teaching, &mut ranks, Some(4), None);
+        note(&mut teaching, &mut ranks, Some(4), choice(f64::NEG_INFINITY, None));
         assert_eq!(teaching.picks, Some(vec![None, Some(4), Some(4)]));
         assert_eq!(teaching.scores, Some(vec![None, Some(0.5), None]));
         assert_eq!(teaching.ranks, None);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use agents::{Agent, AgentError, Episode, Mode};
 use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
-use envs::rng::{Purpose, Rng};
+use envs::rng::Purpose;
 use envs::{EnvError, GoalEnv, Goals, Rows, draw_pool};
 use reports::record::{Record, RunKey, Teaching};
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use super::evaluate::{LOCKSTEP, evaluate};
 use super::picks::{self, Ranks};
 use crate::Registry;
-use crate::config::streams::StreamSeeds;
+use crate::config::streams::Streams;
 use crate::config::{EvaluationGoals, RunConfig};
 
 /// Why a run cannot go on.
@@ -100,26 +100,6 @@ pub trait Watcher {
     /// # Errors
     /// If it cannot be written; the run then ends.
     fn save(&mut self, state: TrainerState) -> std::io::Result<()>;
-}
-
-/// Streams of the training side, one per purpose.
-#[derive(Clone, Serialize, Deserialize)]
-struct Streams {
-    environment: Rng,
-    exploration: Rng,
-    replay: Rng,
-    teacher: Rng,
-}
-
-impl Streams {
-    fn new(seeds: &StreamSeeds, run: u64) -> Self {
-        Self {
-            environment: seeds.stream(run, Purpose::Environment),
-            exploration: seeds.stream(run, Purpose::Exploration),
-            replay: seeds.stream(run, Purpose::Replay),
-            teacher: seeds.stream(run, Purpose::Teacher),
-        }
-    }
 }
 
 /// A run between two cycles, the student's replay log apart. Environments need no state: a reset forgets all.
@@ -310,9 +290,13 @@ impl Trainer {
             self.teaching.successes.push(episode.success);
         }
         let begun = Instant::now();
+        let before = self.agent.gradient_steps();
         self.agent.learn(self.env.as_ref(), &mut self.streams.replay)?;
         let learned = Instant::now();
-        self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
+        // In a warm-up nobody learns.
+        if self.agent.gradient_steps() > before {
+            self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
+        }
         watcher.spent(Phase::Learning, learned - begun);
         watcher.spent(Phase::Teacher, learned.elapsed());
         Ok(())

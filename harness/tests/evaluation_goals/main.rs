@@ -82,11 +82,21 @@ fn teachers() -> Vec<(&'static Entry, Vec<&'static str>)> {
         let small = [
             ("candidates", "curriculum.watched.candidates=20"),
             ("updates_per_cycle", "curriculum.watched.updates_per_cycle=4"),
+            // At the default of 2048 steps nothing would be measured in these runs.
+            ("update_steps", "curriculum.watched.update_steps=20"),
         ];
-        let small = small.into_iter().filter(|(field, _)| has(entry, field)).map(|(_, set)| set);
-        all.push((entry, small.collect()));
+        let small: Vec<&str> =
+            small.into_iter().filter(|(field, _)| has(entry, field)).map(|(_, set)| set).collect();
         if has(entry, "states") {
-            all.push((entry, vec!["curriculum.watched.states=replay"]));
+            for states in [
+                "curriculum.watched.states=reference",
+                "curriculum.watched.states=replay",
+                "curriculum.watched.states=initial",
+            ] {
+                all.push((entry, small.iter().copied().chain([states]).collect()));
+            }
+        } else {
+            all.push((entry, small));
         }
     }
     all

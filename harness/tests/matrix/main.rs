@@ -37,6 +37,7 @@ fn run_all(curricula: &[&str], out: &Path) {
         "student.updates_per_cycle=2",
         "curriculum.vds.candidates=10",
         "curriculum.vds.updates_per_cycle=2",
+        "curriculum.space.update_steps=100",
     ];
     small.iter().for_each(|set| args.extend(["--set", set]));
     let output = goalbench(&args);
