@@ -260,7 +260,13 @@ static LEDGER: &[Column] = &[
 
 static READINGS: &[Column] = &[
     column("claim", "string", "short name, as in the ledger"),
-    column("reading", "u64", "number of the reading, the same for all claims"),
+    column(
+        "family",
+        "string",
+        "what TEACH's other settings, the same for all readings of a family, have apart from the default ones; empty \
+         for those",
+    ),
+    column("reading", "u64", "number of the reading, the same for all claims of its family"),
     column(
         "settings",
         "string",

@@ -63,12 +63,15 @@ pub struct Group<'a> {
 }
 
 /// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both have, which
-/// is at least one. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
+/// is at least one; success at any step counts where both tell it. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
 /// such groups.
 pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
+    let any = |record: &Record, other: &Record| {
+        record.any_success_rate.filter(|_| other.any_success_rate.is_some())
+    };
     let same_evaluation = |(a, b): (&Record, &Record)| {
-        (a.step, a.success_rate, a.mean_return, a.gradient_steps)
-            == (b.step, b.success_rate, b.mean_return, b.gradient_steps)
+        (a.step, a.success_rate, a.mean_return, a.gradient_steps, any(a, b))
+            == (b.step, b.success_rate, b.mean_return, b.gradient_steps, any(b, a))
     };
     let same_run = |(a, b): (&Run, &Run)| {
         a.records.len() == b.records.len() && a.records.iter().zip(&b.records).all(same_evaluation)

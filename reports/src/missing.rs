@@ -5,6 +5,9 @@ use std::collections::BTreeSet;
 use crate::group::{Group, GroupKey};
 use crate::methods;
 use crate::paper;
+use crate::record::Record;
+use crate::store::Run;
+use crate::teaching::PICKED_GOALS;
 
 /// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected to have
 /// every method among them, and every method the seeds that any run of `all` has. `groups` come in order; those that
@@ -41,23 +44,21 @@ pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
 
 /// How many runs of `all` do not tell the success at any step in each of their evaluations; `None` if all do.
 pub fn any_success(all: &[Group<'_>]) -> Option<String> {
-    let mut runs = 0;
-    let mut silent = 0;
-    for run in all.iter().flat_map(|group| &group.runs) {
-        runs += 1;
-        silent += usize::from(run.records.iter().any(|record| record.any_success_rate.is_none()));
-    }
-    older("success at any step", silent, runs)
+    older("success at any step", all, |record| record.any_success_rate.is_some())
 }
 
-/// How many of `runs` whose teaching was read do not tell which goals of the pool were picked; `None` if all do.
-pub fn picks(silent: usize, runs: usize) -> Option<String> {
-    older("which goals of the pool were picked", silent, runs)
+/// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked; `None` if all
+/// do. A teacher that picks none has the number all the same, as one that is not defined.
+pub fn picks(all: &[Group<'_>]) -> Option<String> {
+    older("which goals of the pool were picked", all, |record| record.teacher.contains_key(PICKED_GOALS))
 }
 
-fn older(what: &str, silent: usize, runs: usize) -> Option<String> {
-    (silent > 0)
-        .then(|| format!("{what}: {silent} of {runs} runs have no record of it (older than the field)"))
+fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Option<String> {
+    let runs: Vec<&Run> = all.iter().flat_map(|group| group.runs.iter().copied()).collect();
+    let silent = runs.iter().filter(|run| !run.records.iter().all(&tells)).count();
+    (silent > 0).then(|| {
+        format!("{what}: {silent} of {} runs have no record of it (older than the field)", runs.len())
+    })
 }
 
 /// The paper's methods and environments that `all` has no evaluation of, in a line each.

@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use crate::error::ReportError;
 use crate::layout;
 use crate::record::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
+use crate::teaching::PICKED_GOALS;
 
 /// Goals in the pool.
 const POOL: u32 = 1_000;
@@ -267,17 +268,17 @@ fn teach_config(variant: &str) -> Value {
     })
 }
 
-/// What a teacher records of an evaluation: nothing is defined before the first episode, and HER-IID chooses nothing.
+/// What a teacher records of an evaluation: nothing is defined before the first episode, and HER-IID picks nothing.
 fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<String, Value> {
     if curriculum == "her-iid" {
-        return Map::new();
+        return Map::from_iter([(PICKED_GOALS.to_owned(), Value::Null)]);
     }
     let effective = rng.random_range(2.0..f64::from(POOL));
     let picked = rng.random_range(1..=80);
     let numbers = [
         ("entropy", json!(effective.ln())),
         ("effective_goals", json!(effective)),
-        ("picked_goals", json!(picked)),
+        (PICKED_GOALS, json!(picked)),
         ("effective_picks", json!(f64::from(picked) * rng.random_range(0.5..1.0))),
         ("pick_rank_mean", json!((curriculum == "space").then(|| rng.random_range(0.4..0.6)))),
         ("score_success_correlation", json!(rng.random_range(-0.5..0.5))),

@@ -4,9 +4,12 @@ use crate::group::{Group, GroupKey};
 use crate::record::Record;
 use crate::stats;
 
+/// The number of distinct goals of the pool that were picked.
+pub const PICKED_GOALS: &str = "picked_goals";
+
 /// Numbers that teachers record by these names, in the order of [`Row::means`].
 pub static NUMBERS: [&str; 5] =
-    ["picked_goals", "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
+    [PICKED_GOALS, "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
 
 /// What the table says about one group.
 #[derive(Clone, Debug, PartialEq)]

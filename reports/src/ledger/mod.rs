@@ -9,8 +9,6 @@ mod effect;
 mod verdict;
 mod versus;
 
-use serde_json::Value;
-
 pub use effect::{Effect, FEWEST_PAIRS, Measure};
 pub use verdict::{MARGIN, Verdict};
 pub(crate) use versus::{corrected, versus};
@@ -60,6 +58,9 @@ pub fn ledger(groups: &[Group<'_>], window: usize, resampling: Resampling) -> Ve
 struct AblationClaim {
     id: &'static str,
     axis: &'static Axis,
+    /// The values that the claim is about, best first: it rests on the first that any run has, the others are shown and
+    /// not tested. Empty: it rests on every value.
+    about: &'static [&'static str],
     source: &'static str,
     statement: &'static str,
     rule: &'static str,
@@ -72,9 +73,11 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
     AblationClaim {
         id: "target-confidence",
         axis: &ablation::CONFIDENCE,
+        // Section 5.4 and Eq. 12 speak of a smooth value function alone; old results have no such runs.
+        about: &["target-critic", "target"],
         source: "Figure 3",
-        statement: "Confidence smoothed by target networks (the target critic, or target critic and policy) gives no \
-                    better final success than that of the online networks",
+        statement: "Confidence of the smooth value function (the target critic) gives no better final success than that \
+                    of the online networks",
         rule: NOT_ABOVE,
         verdict: verdict::not_above,
         weight: highest,
@@ -82,6 +85,7 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
     AblationClaim {
         id: "window",
         axis: &ablation::WINDOW,
+        about: &[],
         source: "Figure 4",
         statement: "Final success does not depend on the window n (each value against n = 10)",
         rule: EQUIVALENT,
@@ -91,6 +95,7 @@ static ABLATION_CLAIMS: [AblationClaim; 3] = [
     AblationClaim {
         id: "interplay",
         axis: &ablation::INTERPLAY,
+        about: &[],
         source: "Figure 5",
         statement: "A larger Δ can help: some Δ > 1 gives a higher final success than Δ = 1",
         rule: SOME_ABOVE,
@@ -155,30 +160,37 @@ impl Judge<'_> {
     fn ablation(&self, claim: &AblationClaim) -> Entry {
         let Axis { symbol, reference, .. } = *claim.axis;
         let ablations = ablation::ablations(self.groups, claim.axis);
-        let mut values: Vec<&Value> = Vec::new();
-        for level in ablations.iter().flat_map(|ablation| &ablation.levels) {
-            if level.text() != reference && !values.contains(&level.value) {
-                values.push(level.value);
-            }
-        }
-        let name = |value: &Value| format!("{symbol} = {}", ablation::text(value));
-        let candidates =
-            values.into_iter().map(|value| (name(value), self.pairs(&ablations, value, reference)));
+        let about = claim.about.iter().copied().find(|value| self.has(claim.axis, value));
+        let values = values(&ablations, reference, about);
+        let candidates = values.into_iter().map(|value| {
+            let pairs = self.pairs(&ablations, &value, reference);
+            (value, pairs)
+        });
         // A value that comes to the same as the reference can be neither above nor below it.
-        let (repeats, tested): (Vec<_>, Vec<_>) = candidates.partition(|(_, pairs)| {
+        let (repeats, others): (Vec<_>, Vec<_>) = candidates.partition(|(_, pairs)| {
             !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
         });
+        let is_tested = |value: &str| claim.about.is_empty() || about == Some(value);
+        let (tested, extras): (Vec<_>, Vec<_>) = others.into_iter().partition(|(value, _)| is_tested(value));
+        let effects = |values: Vec<(String, Vec<Pair<'_>>)>, resampling| -> Vec<(String, Effect)> {
+            let effect = |pairs: &[Pair<'_>]| effect::effect(pairs, Measure::Final, self.window, resampling);
+            values.iter().map(|(value, pairs)| (format!("{symbol} = {value}"), effect(pairs))).collect()
+        };
         let resampling = corrected(self.resampling, tested.len());
-        let effects: Vec<(String, Effect)> = tested
-            .into_iter()
-            .map(|(name, pairs)| (name, effect::effect(&pairs, Measure::Final, self.window, resampling)))
-            .collect();
-        let intervals: Vec<verdict::Interval> = effects.iter().map(|(_, effect)| effect.interval).collect();
-        let repeats: Vec<String> = repeats.into_iter().map(|(name, _)| name).collect();
-        let evidence = evidence(&effects, &repeats, &format!("{symbol} = {reference}"), resampling);
+        let effects_tested = effects(tested, resampling);
+        let mut texts: Vec<String> = effects_tested.iter().map(|value| shown(value, resampling)).collect();
+        texts.extend(effects(extras, self.resampling).iter().map(|value| beside(value, self.resampling)));
+        let repeated = |(value, _): &(String, _)| {
+            format!("{symbol} = {value}: the same runs as {symbol} = {reference}, not tested")
+        };
+        texts.extend(repeats.iter().map(repeated));
+        texts.extend(substitution(claim, about));
+        let intervals: Vec<verdict::Interval> =
+            effects_tested.iter().map(|(_, effect)| effect.interval).collect();
         let weight = |(_, effect): &(String, Effect)| (claim.weight)(effect);
-        let decisive = effects.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b)));
+        let decisive = effects_tested.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b)));
         let (value, effect) = decisive.map_or_else(Default::default, |(value, effect)| (Some(value), effect));
+        let nothing = || "no two variants of TEACH differ in this setting alone".to_owned();
         Entry {
             id: claim.id.to_owned(),
             source: claim.source,
@@ -188,21 +200,27 @@ impl Judge<'_> {
             value,
             effect,
             confidence: resampling.confidence,
-            evidence,
+            evidence: if texts.is_empty() { nothing() } else { texts.join("; ") },
         }
+    }
+
+    /// Whether there are runs with this value in the field of `axis`.
+    fn has(&self, axis: &Axis, value: &str) -> bool {
+        let configs =
+            self.groups.iter().filter_map(|group| group.runs.first()).map(|run| &run.manifest.config);
+        configs.filter_map(|config| config.pointer(axis.pointer)).any(|other| ablation::text(other) == value)
     }
 
     /// Comparable runs with `value` and with `reference`, for every ablation that has both; the first of each
     /// environment.
-    fn pairs(&self, ablations: &[Ablation<'_>], value: &Value, reference: &str) -> Vec<Pair<'_>> {
+    fn pairs(&self, ablations: &[Ablation<'_>], value: &str, reference: &str) -> Vec<Pair<'_>> {
         let mut pairs: Vec<Pair<'_>> = Vec::new();
         for ablation in ablations {
-            let group = |is: &dyn Fn(&Level<'_>) -> bool| {
-                let level = ablation.levels.iter().find(|level| is(level))?;
+            let group = |text: &str| {
+                let level = ablation.levels.iter().find(|level| level.text() == text)?;
                 self.groups.get(level.group)
             };
-            let found = group(&|level| level.value == value).zip(group(&|level| level.text() == reference));
-            let Some((a, b)) = found else { continue };
+            let Some((a, b)) = group(value).zip(group(reference)) else { continue };
             if pairs.iter().all(|other| other.a.key.environment != a.key.environment) {
                 pairs.push(Pair::of(a, b));
             }
@@ -211,30 +229,51 @@ impl Judge<'_> {
     }
 }
 
-/// `n = 3: +0.02 [-0.05, +0.08] in 2 environments; ...`, and which values are no others than the `reference`.
-fn evidence(
-    effects: &[(String, Effect)],
-    repeats: &[String],
-    reference: &str,
-    resampling: Resampling,
-) -> String {
-    if effects.is_empty() && repeats.is_empty() {
-        return "no two variants of TEACH differ in this setting alone".to_owned();
+/// The values of all ablations but the reference, in order of appearance, and the one that the claim is `about`, also
+/// where it is in no ablation.
+fn values(ablations: &[Ablation<'_>], reference: &str, about: Option<&str>) -> Vec<String> {
+    let mut values: Vec<String> = Vec::new();
+    let levels = ablations.iter().flat_map(|ablation| &ablation.levels).map(Level::text);
+    for value in levels.chain(about.map(str::to_owned)) {
+        if value != reference && !values.contains(&value) {
+            values.push(value);
+        }
     }
-    let tested = |(value, effect): &(String, Effect)| {
-        let difference = effect.difference.map_or_else(String::new, |difference| format!("{difference:+.2}"));
-        let interval = effect.interval.map(|(low, high)| {
-            let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
-            format!("{difference} [{low:+.2}, {high:+.2}], ahead in {ahead} and behind in {behind} of {all} environments")
-        });
-        let lack = || {
-            let lack = effect.lack(resampling).unwrap_or_default();
-            if difference.is_empty() { lack } else { format!("{difference}, {lack}") }
-        };
-        format!("{value}: {}{}", interval.unwrap_or_else(lack), effect.remark())
+    values
+}
+
+/// `n = 3: +0.02 [-0.05, +0.08], ahead in 1 and behind in 1 of 2 environments`, or what a test lacks.
+fn shown((value, effect): &(String, Effect), resampling: Resampling) -> String {
+    let difference = effect.difference.map_or_else(String::new, |difference| format!("{difference:+.2}"));
+    let interval = effect
+        .interval
+        .map(|(low, high)| format!("{difference} [{low:+.2}, {high:+.2}], {}", standing(effect)));
+    let lack = || {
+        let lack = effect.lack(resampling).unwrap_or_default();
+        if difference.is_empty() { lack } else { format!("{difference}, {lack}") }
     };
-    let repeated = |value: &String| format!("{value}: the same runs as {reference}, not tested");
-    effects.iter().map(tested).chain(repeats.iter().map(repeated)).collect::<Vec<_>>().join("; ")
+    format!("{value}: {}{}", interval.unwrap_or_else(lack), effect.remark())
+}
+
+/// A value that a claim is not about.
+fn beside((value, effect): &(String, Effect), resampling: Resampling) -> String {
+    let what = match effect.difference {
+        Some(difference) => format!("{difference:+.2}, {}", standing(effect)),
+        None => effect.lack(resampling).unwrap_or_default(),
+    };
+    format!("{value}, not what the claim is about and not tested: {what}{}", effect.remark())
+}
+
+fn standing(effect: &Effect) -> String {
+    let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
+    format!("ahead in {ahead} and behind in {behind} of {all} environments")
+}
+
+/// What is said where a claim rests on another value than the one that it is about first.
+fn substitution(claim: &AblationClaim, about: Option<&str>) -> Option<String> {
+    let (first, symbol) = (*claim.about.first()?, claim.axis.symbol);
+    let other = about.filter(|value| *value != first)?;
+    Some(format!("no run has {symbol} = {first}, so {symbol} = {other} is tested in its place"))
 }
 
 #[cfg(test)]

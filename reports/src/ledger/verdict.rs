@@ -42,7 +42,7 @@ pub(super) fn above(interval: Interval) -> Verdict {
 
 /// "None is any better".
 pub(super) const NOT_ABOVE: &str =
-    "refuted if one interval lies wholly above 0; otherwise confirmed if every interval lies below 0.1";
+    "refuted if the interval lies wholly above 0; otherwise confirmed if it lies below 0.1";
 
 /// See [`NOT_ABOVE`].
 pub(super) fn not_above(intervals: &[Interval]) -> Verdict {

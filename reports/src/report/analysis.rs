@@ -135,10 +135,6 @@ pub(super) struct Heat<'a> {
     pub(super) mazes: Vec<MazeHeat<'a>>,
     /// What is wrong with these files.
     pub(super) problems: Vec<Problem>,
-    /// Runs that have one with something in it.
-    pub(super) runs: usize,
-    /// Those of them that do not tell which goals of the pool were picked.
-    pub(super) without_picks: usize,
 }
 
 /// Heat maps of one maze.
@@ -157,7 +153,7 @@ pub(super) struct Analysis<'a> {
     /// Ablations of every axis of [`AXES`], in its order.
     pub(super) ablations: Vec<Vec<Ablation<'a>>>,
     pub(super) ledger: Vec<Entry>,
-    /// The ledger's claims about baselines under every reading of the paper; empty for fewer than two.
+    /// The ledger's claims about baselines under every reading of the paper; empty without a family of two.
     pub(super) readings: Readings,
     pub(super) heat: Heat<'a>,
 }
@@ -197,11 +193,7 @@ fn heat<'a>(results: &Path, groups: &Groups<'_>, options: &'a Options) -> Heat<'
             let last = group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max();
             let lines = read.iter().flat_map(|(lines, _)| lines);
             maps.extend(HeatMap::of(&group.key, maze, last.unwrap_or(0), lines));
-            for (lines, problems) in read {
-                heat.runs += usize::from(!lines.is_empty());
-                heat.without_picks += usize::from(lines.iter().any(|line| line.picks.is_none()));
-                heat.problems.extend(problems);
-            }
+            heat.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
         }
         if !maps.is_empty() {
             heat.mazes.push(MazeHeat { maze, maps });

@@ -44,7 +44,7 @@ impl Tables {
             aggregates: (!across.aggregates.is_empty()).then(aggregates),
             comparisons: (!analysis.comparisons.is_empty()).then(comparisons),
             ledger: table::ledger_table(&analysis.ledger, window, resampling),
-            readings: (!analysis.readings.claims.is_empty())
+            readings: (!analysis.readings.families.is_empty())
                 .then(|| table::readings_table(&analysis.readings, window, resampling)),
             deviations: table::deviation_table(),
             dimensions: (!dimensions.is_empty()).then(|| table::environment_table(&dimensions)),
@@ -156,7 +156,7 @@ pub(super) fn missing(groups: &Groups<'_>, analysis: &Analysis<'_>, options: &Op
         }
     }
     lacking.extend(missing::any_success(&groups.all));
-    lacking.extend(missing::picks(analysis.heat.without_picks, analysis.heat.runs));
+    lacking.extend(missing::picks(&groups.all));
     let silent = analysis.rows.iter().filter(|row| {
         row.cost.wall_hours.is_some()
             && (row.cost.teacher_hours.is_none() || row.cost.learning_hours.is_none())

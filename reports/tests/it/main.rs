@@ -5,6 +5,7 @@
 mod comparable;
 mod data;
 mod efficiency;
+mod families;
 mod figures;
 mod latex;
 mod ledger;

@@ -7,7 +7,7 @@ use super::support::{key, write_configured};
 use reports::group;
 use reports::layout;
 use reports::ledger::{Entry, Verdict};
-use reports::readings::{Claim, Readings};
+use reports::readings::{Claim, Family, Readings};
 use reports::report::{self, Options};
 use reports::stats::Resampling;
 use reports::store::Store;
@@ -24,7 +24,14 @@ fn baseline(curriculum: &str, goals: &str) -> Value {
 }
 
 /// Seeds 0 to 6 of a group that end at about `rate`.
-fn write(results: &Path, environment: &str, curriculum: &str, variant: &str, rate: f64, config: &Value) {
+pub(crate) fn write(
+    results: &Path,
+    environment: &str,
+    curriculum: &str,
+    variant: &str,
+    rate: f64,
+    config: &Value,
+) {
     for seed in 0..7_u32 {
         let run = key(environment, curriculum, variant, seed.into());
         write_configured(results, &run, &[0.0, rate + 0.005 * f64::from(seed % 3)], config.clone());
@@ -45,17 +52,24 @@ fn write_four(results: &Path, environment: &str) {
     }
 }
 
-fn readings(results: &Path) -> Readings {
+pub(crate) fn readings(results: &Path) -> Readings {
     let store = Store::read(results).unwrap();
     Readings::of(&group::groups(&store), 1, Resampling { resamples: 2_000, ..Resampling::default() })
 }
 
-fn claim<'a>(readings: &'a Readings, id: &str) -> &'a Claim {
-    readings.claims.iter().find(|claim| claim.judged[0].1.id == id).unwrap()
+/// The one family that there is, that of the default settings.
+pub(crate) fn family(results: &Path) -> Family {
+    let [family] = <[Family; 1]>::try_from(readings(results).families).unwrap();
+    assert_eq!((family.name.as_str(), family.at()), ("", None));
+    family
 }
 
-fn names(readings: &Readings) -> Vec<String> {
-    (1..=readings.readings.len()).map(|number| readings.name(number)).collect()
+pub(crate) fn claim<'a>(family: &'a Family, id: &str) -> &'a Claim {
+    family.claims.iter().find(|claim| claim.judged[0].1.id == id).unwrap()
+}
+
+pub(crate) fn names(family: &Family) -> Vec<String> {
+    (1..=family.readings.len()).map(|number| family.reading(number)).collect()
 }
 
 #[test]
@@ -64,7 +78,7 @@ fn a_verdict_that_hangs_on_a_choice_is_named_by_it() {
     for environment in ["MazeA", "MazeB"] {
         write_four(results.path(), environment);
     }
-    let found = readings(results.path());
+    let found = family(results.path());
     // The window is the same everywhere and no choice of the paper's reader: not named.
     let expected = [
         "selection = proportional, evaluation goals = environment",
@@ -102,7 +116,7 @@ fn readings_are_judged_as_the_ledger_judges() {
     let groups = group::groups(&store);
     let resampling = Resampling { resamples: 2_000, ..Resampling::default() };
     let ledger: Vec<Entry> = reports::ledger::ledger(&groups, 1, resampling);
-    let found = readings(results.path());
+    let found = family(results.path());
     for id in ["final-her-iid", "area-her-iid"] {
         // Four baselines there and four readings here: the same level.
         let default = ledger.iter().find(|entry| entry.id == id).unwrap();
@@ -132,7 +146,7 @@ fn verdicts_that_agree_are_said_to() {
         );
         write(results.path(), environment, "her-iid-pool", "default", 0.3, &baseline("her-iid-pool", "pool"));
     }
-    let found = readings(results.path());
+    let found = family(results.path());
     let claim = claim(&found, "final-her-iid-pool");
     assert_eq!(claim.conclusion, "the same under all 2 readings: confirmed");
     assert!(!claim.hangs());
@@ -154,7 +168,7 @@ fn verdicts_that_no_single_choice_decides_are_named_by_number() {
         }
         write(results.path(), environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
     }
-    let conclusion = claim(&readings(results.path()), "final-her-iid").conclusion.clone();
+    let conclusion = claim(&family(results.path()), "final-her-iid").conclusion.clone();
     let expected = "hangs on the reading: confirmed under readings 1, 3, refuted under reading 4, undecided under reading 2";
     assert_eq!(conclusion, expected);
 }
@@ -163,29 +177,30 @@ fn verdicts_that_no_single_choice_decides_are_named_by_number() {
 fn readings_with_the_same_runs_are_one() {
     let results = TempDir::new().unwrap();
     let path = results.path();
+    let write_record = |environment: &str, variant: &str, record: &str, states: &str, rate: f64| {
+        let config = teach(&json!({"record": record, "states": states, "interplay": 1}), "environment");
+        write(path, environment, "teach", variant, rate, &config);
+    };
     for environment in ["MazeA", "MazeB"] {
-        for (variant, record, rate) in [("default", "cycle", 0.6), ("record", "evaluation", 0.6)] {
-            let config = teach(&json!({"record": record, "interplay": 1}), "environment");
-            write(path, environment, "teach", variant, rate, &config);
-        }
+        write_record(environment, "default", "cycle", "reference", 0.6);
+        write_record(environment, "record", "evaluation", "reference", 0.6);
         write(path, environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
     }
     assert_eq!(readings(path), Readings::default(), "one reading under two names is one");
     for environment in ["MazeA", "MazeB"] {
-        for (interplay, rate) in [(5, 0.5), (50, 0.1)] {
-            let config = teach(&json!({"record": "evaluation", "interplay": interplay}), "environment");
-            write(path, environment, "teach", &format!("record,delta={interplay}"), rate, &config);
-        }
+        write_record(environment, "record,states=initial", "evaluation", "initial", 0.5);
+        write_record(environment, "record,states=replay", "evaluation", "replay", 0.1);
     }
-    let found = readings(path);
+    let found = family(path);
     let expected = [
-        "record = cycle, Δ = 1 (the same runs: record = evaluation, Δ = 1)",
-        "record = evaluation, Δ = 5",
-        "record = evaluation, Δ = 50",
+        "states = reference, record = cycle (the same runs: states = reference, record = evaluation)",
+        "states = initial, record = evaluation",
+        "states = replay, record = evaluation",
     ];
     assert_eq!(names(&found), expected);
     let claim = claim(&found, "final-her-iid");
-    let expected = "hangs on the reading: confirmed under Δ = 1 or 5, refuted under Δ = 50";
+    let expected =
+        "hangs on the reading: confirmed under states = reference or initial, refuted under states = replay";
     assert_eq!(claim.conclusion, expected);
     let miss = 1.0 - claim.judged[0].1.confidence;
     assert!((miss - 0.05 / 3.0).abs() < 1e-12, "three readings, not four");
@@ -208,7 +223,7 @@ fn only_environments_with_all_readings_count() {
         &teach(&json!({"window": 10, "selection": "proportional"}), "pool"),
     );
     write(path, "MazeB", "her-iid", "default", 0.9, &baseline("her-iid", "pool"));
-    let found = readings(path);
+    let found = family(path);
     assert_eq!(
         (found.environments.join(" "), found.left_out.join(" ")),
         ("MazeA MazeC".into(), "MazeB".into())
@@ -230,7 +245,7 @@ fn a_baseline_without_some_settings_is_set_against_the_others() {
         other["student"] = json!({"width": 64});
         write(path, environment, "space", "default", 0.2, &other);
     }
-    let found = readings(path);
+    let found = family(path);
     let vds = claim(&found, "final-vds");
     let numbers: Vec<usize> = vds.judged.iter().map(|(number, _)| *number).collect();
     assert_eq!(numbers, [1, 2]);

@@ -89,6 +89,8 @@ pub(crate) fn every_kind() -> TempDir {
     for (seed, curricula, variants) in [
         (0, vec!["teach", "vds", "her-iid"], vec!["default"]),
         (1, vec!["teach"], vec!["n=3", "n=3,confidence=target-critic", "delta=5"]),
+        // Readings of the paper, two at each Δ.
+        (2, vec!["teach"], vec!["selection=argmax", "delta=5,record=evaluation"]),
     ] {
         let experiment = Experiment {
             environments: environments.clone(),

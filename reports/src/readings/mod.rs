@@ -4,18 +4,26 @@
 //! that TEACH was run with. TEACH under each reading is set against the runs of a baseline that agree with it in
 //! everything outside `/curriculum`, with the measure, the test and the rule of the ledger's main claims.
 //!
-//! All readings are judged in the same environments, so that nothing but the reading differs: of the environments, those
-//! with the largest set of readings.
+//! Readings that agree in all other settings are a *family*, and every family of at least two is judged: those at Δ = 10
+//! apart from those at Δ = 1. Other values of Δ, of the window and so on are no readings: the paper fixes these settings,
+//! or varies them itself.
+//!
+//! All readings of a family are judged in the same environments, so that nothing but the reading differs: of the
+//! environments, those with the largest set of readings.
+
+mod conclusion;
+mod places;
 
 use serde_json::Value;
 
-use crate::ablation;
 use crate::complete::Pair;
 use crate::group::{self, Group};
-use crate::ledger::{self, Entry, Measure, Verdict};
+use crate::ledger::{self, Entry, Measure};
 use crate::methods;
 use crate::paper;
 use crate::stats::Resampling;
+use conclusion::{conclusion, setting};
+use places::{Candidates, Place};
 
 /// A place where the paper can be read in more than one way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,16 +34,13 @@ pub struct Choice {
     pub pointer: &'static str,
 }
 
-const COUNT: usize = 7;
+const COUNT: usize = 4;
 
 /// All of them, in the order in which they are named.
 pub static CHOICES: [Choice; COUNT] = [
     Choice { name: "states", pointer: "/curriculum/teach/states" },
     Choice { name: "selection", pointer: "/curriculum/teach/selection" },
     Choice { name: "record", pointer: "/curriculum/teach/record" },
-    Choice { name: "signal", pointer: "/curriculum/teach/signal" },
-    Choice { name: "confidence", pointer: ablation::CONFIDENCE.pointer },
-    Choice { name: ablation::INTERPLAY.symbol, pointer: ablation::INTERPLAY.pointer },
     Choice { name: "evaluation goals", pointer: "/evaluation/goals" },
 ];
 
@@ -66,21 +71,11 @@ impl Reading {
     }
 }
 
-/// `states = replay`, `Δ = 1, 2 or 5`; `not set` where a config lacks the field.
-fn setting(choice: usize, values: &[Option<&str>]) -> String {
-    let texts: Vec<&str> = values.iter().map(|value| value.unwrap_or("not set")).collect();
-    let values = match texts.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-        _ => texts.concat(),
-    };
-    format!("{} = {values}", CHOICES[choice].name)
-}
-
 /// A claim under every reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// The number of each reading, from 1 and the same for all claims, with its verdict. Readings without runs of the
-    /// baseline are left out; there are at least two.
+    /// The number of each reading, from 1 and the same for all claims of the family, with its verdict. Readings without
+    /// runs of the baseline are left out; there are at least two.
     pub judged: Vec<(usize, Entry)>,
     /// Whether the verdict is the same under all of them, and under which it is what: `hangs on the reading: ...`.
     pub conclusion: String,
@@ -93,29 +88,41 @@ impl Claim {
     }
 }
 
-/// All claims under all readings; empty for fewer than two readings.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Readings {
-    /// The readings, in the order of their groups; at least two, or none.
+/// The readings that TEACH was run with under the same other settings, and all claims under all of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// What these other settings have apart from TEACH's default ones: `Δ = 10`; empty for the default ones.
+    pub name: String,
+    /// The readings, in the order of their groups; at least two.
     pub readings: Vec<Reading>,
     /// The environments that all of them were run in.
     pub environments: Vec<String>,
     /// Environments that lack some of them, which no verdict rests on.
     pub left_out: Vec<String>,
-    /// Every claim about a baseline that two readings or more can be set against.
+    /// Every claim about a baseline that two readings or more can be set against; at least one.
     pub claims: Vec<Claim>,
 }
 
-impl Readings {
+impl Family {
     /// The name of a reading by its number in [`Claim::judged`].
-    pub fn name(&self, number: usize) -> String {
+    pub fn reading(&self, number: usize) -> String {
         self.readings.get(number.wrapping_sub(1)).map(Reading::name).unwrap_or_default()
     }
 
-    /// Judges every claim under every reading; `groups` come in order. Final scores average `window` evaluations.
-    pub fn of(groups: &[Group<'_>], window: usize, resampling: Resampling) -> Self {
-        let places = places(groups);
-        let Some((readings, shared)) = shared(groups, &places) else { return Self::default() };
+    /// `at Δ = 10`; `None` for the default settings.
+    pub fn at(&self) -> Option<String> {
+        (!self.name.is_empty()).then(|| format!("at {}", self.name))
+    }
+
+    /// Judges every claim under every reading; `None` where there are not two readings, or no claim about them.
+    fn of(
+        groups: &[Group<'_>],
+        candidates: Candidates,
+        window: usize,
+        resampling: Resampling,
+    ) -> Option<Self> {
+        let Candidates { name, places } = candidates;
+        let (readings, shared) = shared(groups, &places)?;
         let mut claims = Vec::new();
         for measure in [Measure::Final, Measure::Area] {
             for baseline in paper::BASELINES.iter().chain([&paper::CONTROL]) {
@@ -126,70 +133,25 @@ impl Readings {
         let is_shared = |place: &&Place| shared.iter().any(|other| other.environment == place.environment);
         let (inside, outside): (Vec<&Place>, Vec<&Place>) = places.iter().partition(is_shared);
         let names = |places: Vec<&Place>| places.into_iter().map(|place| place.environment.clone()).collect();
-        Self { readings, environments: names(inside), left_out: names(outside), claims }
+        let (environments, left_out) = (names(inside), names(outside));
+        (!claims.is_empty()).then_some(Self { name, readings, environments, left_out, claims })
     }
 }
 
-/// The readings of one environment: TEACH's groups whose configs differ in [`CHOICES`] alone.
-struct Place {
-    environment: String,
-    /// What their configs agree in: all but the choices.
-    rest: Value,
-    /// What each was read as, and the index of its group among all groups.
-    readings: Vec<(Values, usize)>,
+/// All families with a claim that can be judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// First that of TEACH's default settings, if it is one.
+    pub families: Vec<Family>,
 }
 
-impl Place {
-    fn group(&self, values: &Values) -> Option<usize> {
-        self.readings.iter().find(|(other, _)| other == values).map(|(_, group)| *group)
+impl Readings {
+    /// Judges every claim under every reading of every family; `groups` come in order. Final scores average `window`
+    /// evaluations.
+    pub fn of(groups: &[Group<'_>], window: usize, resampling: Resampling) -> Self {
+        let family = |candidates| Family::of(groups, candidates, window, resampling);
+        Self { families: places::candidates(groups).into_iter().filter_map(family).collect() }
     }
-
-    /// The readings without their order.
-    fn set(&self) -> Vec<&Values> {
-        let mut set: Vec<&Values> = self.readings.iter().map(|(values, _)| values).collect();
-        set.sort();
-        set
-    }
-}
-
-/// The largest set of readings of every environment where TEACH was run, of equals the first (that of `default`, if it
-/// has one); of groups with one reading the first.
-fn places(groups: &[Group<'_>]) -> Vec<Place> {
-    let mut families: Vec<Place> = Vec::new();
-    for (index, group) in groups.iter().enumerate().filter(|(_, group)| group.key.curriculum == paper::METHOD)
-    {
-        let Some(run) = group.runs.first() else { continue };
-        let config = &run.manifest.config;
-        let values = CHOICES.map(|choice| config.pointer(choice.pointer).map(ablation::text));
-        let mut rest = config.clone();
-        for choice in CHOICES {
-            if let Some(field) = rest.pointer_mut(choice.pointer) {
-                *field = Value::Null;
-            }
-        }
-        let environment = &group.key.environment;
-        let is_it = |place: &&mut Place| place.environment == *environment && place.rest == rest;
-        match families.iter_mut().find(is_it) {
-            Some(family) if family.group(&values).is_some() => {}
-            Some(family) => family.readings.push((values, index)),
-            None => {
-                families.push(Place {
-                    environment: environment.clone(),
-                    rest,
-                    readings: vec![(values, index)],
-                });
-            }
-        }
-    }
-    let mut places: Vec<Place> = Vec::new();
-    for family in families {
-        match places.iter_mut().find(|place| place.environment == family.environment) {
-            Some(place) if place.readings.len() >= family.readings.len() => {}
-            Some(place) => *place = family,
-            None => places.push(family),
-        }
-    }
-    places
 }
 
 /// The largest set of readings that an environment has, of equals the one that most environments have, and these
@@ -284,60 +246,4 @@ impl Judge<'_> {
         };
         Some((teach, self.groups.iter().find(fits)?))
     }
-}
-
-/// `the same under all 4 readings: confirmed`, or what the verdict is under which: named by the value of a single choice
-/// where that decides, otherwise by the numbers of the readings.
-fn conclusion(readings: &[Reading], judged: &[(usize, Entry)], baseline: &str) -> String {
-    let verdicts: Vec<(usize, Verdict)> =
-        judged.iter().map(|(number, entry)| (*number, entry.verdict)).collect();
-    let lacking = match readings.len() - verdicts.len() {
-        0 => String::new(),
-        k => format!("; no runs of {baseline} with the same settings under {k} more"),
-    };
-    let first = verdicts[0].1;
-    if verdicts.iter().all(|(_, verdict)| *verdict == first) {
-        return format!("the same under all {} readings: {}{lacking}", verdicts.len(), first.as_str());
-    }
-    let under = |parts: Vec<(Verdict, String)>| {
-        let part = |(verdict, names): &(Verdict, String)| format!("{} under {names}", verdict.as_str());
-        let parts: Vec<String> = parts.iter().map(part).collect();
-        format!("hangs on the reading: {}{lacking}", parts.join(", "))
-    };
-    let varied = readings.first().map_or(&[][..], |reading| &reading.varied);
-    if let Some(parts) = varied.iter().find_map(|&choice| by_choice(readings, &verdicts, choice)) {
-        return under(parts);
-    }
-    let of = |verdict: Verdict| {
-        let numbers =
-            verdicts.iter().filter(|(_, other)| *other == verdict).map(|(number, _)| number.to_string());
-        let numbers: Vec<String> = numbers.collect();
-        let what = if numbers.len() == 1 { "reading" } else { "readings" };
-        (!numbers.is_empty()).then(|| (verdict, format!("{what} {}", numbers.join(", "))))
-    };
-    under([Verdict::Confirmed, Verdict::Refuted, Verdict::Undecided].into_iter().filter_map(of).collect())
-}
-
-/// The verdicts by the values of one choice; `None` where readings of one value have several.
-fn by_choice(
-    readings: &[Reading],
-    verdicts: &[(usize, Verdict)],
-    choice: usize,
-) -> Option<Vec<(Verdict, String)>> {
-    let mut values: Vec<(Option<&str>, Verdict)> = Vec::new();
-    for &(number, verdict) in verdicts {
-        for value in readings.get(number - 1)?.values.iter().map(|values| values[choice].as_deref()) {
-            match values.iter().find(|(other, _)| *other == value) {
-                Some((_, other)) if *other != verdict => return None,
-                Some(_) => {}
-                None => values.push((value, verdict)),
-            }
-        }
-    }
-    let of = |verdict: Verdict| {
-        let same = values.iter().filter(|(_, other)| *other == verdict);
-        let same: Vec<Option<&str>> = same.map(|(value, _)| *value).collect();
-        (!same.is_empty()).then(|| (verdict, setting(choice, &same)))
-    };
-    Some([Verdict::Confirmed, Verdict::Refuted, Verdict::Undecided].into_iter().filter_map(of).collect())
 }
