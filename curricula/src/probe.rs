@@ -142,7 +142,8 @@ impl Probe {
         let now = lesson.student.gradient_steps();
         let moved = self.asked_at != Some(now);
         let elsewhere = config.states == StateSource::Initial && self.asked_from != lesson.start.state;
-        if !moved && !(anew && elsewhere) {
+        let due = moved || (anew && elsewhere);
+        if !due {
             return Ok(Answer::Unchanged);
         }
         let Some(states) = self.states(config, lesson) else { return Ok(Answer::NoStates) };

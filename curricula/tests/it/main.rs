@@ -8,6 +8,7 @@ mod probe;
 mod procurl;
 mod registry;
 mod space;
+mod standstill;
 mod support;
 mod teach;
 mod vds;
