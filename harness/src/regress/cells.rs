@@ -14,9 +14,8 @@ use crate::protocol::plan::{Plan, PlannedRun};
 use crate::run::folder::read_json;
 use crate::sha256;
 
-/// Names of the numbers that [`Curve::effective_goals`] and [`Curve::effective_picks`] average.
-const EFFECTIVE_GOALS: &str = "effective_goals";
-const EFFECTIVE_PICKS: &str = "effective_picks";
+/// Names of the numbers that [`Curve::effective_goals`], [`Curve::effective_picks`] and [`Curve::pick_rank`] average.
+const OF_TEACHERS: [&str; 3] = ["effective_goals", "effective_picks", "pick_rank_mean"];
 /// Hex digits kept of a digest: 64 bits.
 const DIGEST: usize = 16;
 
@@ -35,6 +34,10 @@ pub struct Curve {
     /// do not choose from a pool.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_picks: Option<f64>,
+    /// Mean over evaluations of the picked goals' mean place in the teacher's set, in [0, 1], to 4 digits; absent for teachers that
+    /// rank no set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pick_rank: Option<f64>,
 }
 
 impl Curve {
@@ -180,9 +183,9 @@ fn recorded(results: &Path, run: &PlannedRun) -> Result<(Vec<Record>, Curve), Ha
     let successes =
         records.iter().map(|record| (record.success_rate * record.episodes as f64).round() as u64).collect();
     let digest = sha256::hex(text.as_bytes())[..DIGEST].to_owned();
-    let [effective_goals, effective_picks] =
-        [EFFECTIVE_GOALS, EFFECTIVE_PICKS].map(|name| mean_over_evaluations(&records, name));
-    let curve = Curve { records: digest, successes, effective_goals, effective_picks };
+    let [effective_goals, effective_picks, pick_rank] =
+        OF_TEACHERS.map(|name| mean_over_evaluations(&records, name));
+    let curve = Curve { records: digest, successes, effective_goals, effective_picks, pick_rank };
     Ok((records, curve))
 }
 
@@ -192,7 +195,7 @@ fn mean_over_evaluations(records: &[Record], name: &str) -> Option<f64> {
     reports::stats::mean(&numbers).map(four_digits)
 }
 
-/// `x` > 0 rounded to four significant digits, so that a baseline is short.
+/// `x` rounded to four significant digits, so that a baseline is short.
 fn four_digits(x: f64) -> f64 {
     format!("{x:.3e}").parse().expect("a number that was just written")
 }
@@ -204,6 +207,6 @@ mod tests {
     #[test]
     fn four_digits_are_kept() {
         assert_eq!(four_digits(123.456), 123.5);
-        assert_eq!(four_digits(1000.0), 1000.0);
+        assert_eq!([1000.0, 0.0].map(four_digits), [1000.0, 0.0]);
     }
 }

@@ -18,11 +18,19 @@ pub enum Measure {
     /// The same of the goals that it really picked from the pool between two evaluations: a teacher that does not do as its
     /// weights say is another one, too.
     EffectivePicks,
+    /// Mean over evaluations of the picked goals' mean place in the set that the teacher ranks, 0 for the first to 1 for the last:
+    /// whether all of the set has its turns. Neither end is better.
+    PickRank,
 }
 
 /// All measures, in the order of tables.
-pub const MEASURES: [Measure; 4] =
-    [Measure::Area, Measure::FinalSuccess, Measure::EffectiveGoals, Measure::EffectivePicks];
+pub const MEASURES: [Measure; 5] = [
+    Measure::Area,
+    Measure::FinalSuccess,
+    Measure::EffectiveGoals,
+    Measure::EffectivePicks,
+    Measure::PickRank,
+];
 
 impl Measure {
     /// Name in tables.
@@ -32,6 +40,7 @@ impl Measure {
             Self::FinalSuccess => "final success",
             Self::EffectiveGoals => "effective goals",
             Self::EffectivePicks => "effective picks",
+            Self::PickRank => "place of picks",
         }
     }
 
@@ -47,10 +56,11 @@ impl Measure {
             Self::FinalSuccess => Some(final_success(&curve.rates(cell.episodes), window)),
             Self::EffectiveGoals => curve.effective_goals,
             Self::EffectivePicks => curve.effective_picks,
+            Self::PickRank => curve.pick_rank,
         }
     }
 
-    /// By how much `now` differs from `before`: success rates as they are, numbers of goals as a share of `before`.
+    /// By how much `now` differs from `before`: success rates as they are, what tells of teachers as a share of `before`.
     pub fn change(self, before: f64, now: f64) -> f64 {
         if self.is_success() { now - before } else { now / before - 1.0 }
     }
