@@ -83,7 +83,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "agents/src/normalizer.rs",
         original: "Moments::of_zeros(config.pseudo_observations, width)",
         faulty: "Moments::of_zeros(0, width)",
-        shows: true,
+        shows: false,
     },
     Fault {
         name: "space-turns",

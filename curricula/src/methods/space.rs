@@ -158,6 +158,8 @@ pub struct Space {
     config: SpaceConfig,
     pool: Arc<Goals>,
     state: State,
+    /// The last goal's score and place.
+    choice: Option<Choice>,
 }
 
 /// Everything that changes while teaching.
@@ -202,7 +204,7 @@ impl Method for Space {
         let common = PoolState::new(Distribution::uniform_over(&[0], pool.len()), COMPARED);
         let set = vec![(0, 0.0)];
         let state = State { common, set, compared: Vec::new(), turn: None, steps: 0, mean: f64::NAN };
-        Ok(Box::new(Self { config, pool, state }))
+        Ok(Box::new(Self { config, pool, state, choice: None }))
     }
 }
 
@@ -252,7 +254,7 @@ impl State {
 
 impl Curriculum for Space {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let Self { config, pool, state } = self;
+        let Self { config, pool, state, choice } = self;
         // An update that finds nothing new (no states yet, networks that stand still) stays due.
         if state.steps >= config.update_steps
             && state.common.probe.ask(&config.probe(), pool, lesson, false)? == Answer::Recorded
@@ -262,7 +264,9 @@ impl Curriculum for Space {
         }
         let place = next_turn(state.turn, state.set.len());
         state.turn = Some(place);
-        Ok(Proposal::Pool(state.set[place].0))
+        let (goal, score) = state.set[place];
+        *choice = Some(Choice { score, rank: Some(Rank { place, of: state.set.len() }) });
+        Ok(Proposal::Pool(goal))
     }
 
     fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
@@ -271,9 +275,7 @@ impl Curriculum for Space {
     }
 
     fn choice(&self) -> Option<Choice> {
-        let place = self.state.turn?;
-        let (_, score) = *self.state.set.get(place)?;
-        Some(Choice { score, rank: Some(Rank { place, of: self.state.set.len() }) })
+        self.choice
     }
 
     fn weights(&self) -> Option<&[f64]> {
