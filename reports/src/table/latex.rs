@@ -4,6 +4,8 @@ use super::{Align, Table};
 
 /// Rows that a page holds: a longer table is one that goes on over pages.
 const LONGEST: usize = 40;
+/// The same of rows with prose in them, which take several lines each.
+const LONGEST_PROSE: usize = 20;
 /// Widest column of prose, and all of them together, in widths of a line.
 const PROSE_WIDTH: (f64, f64) = (0.25, 0.6);
 
@@ -11,7 +13,8 @@ impl Table {
     /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be copied
     /// into the float that a paper wants.
     pub fn latex(&self) -> String {
-        let is_long = self.rows.len() > LONGEST;
+        let has_prose = (0..self.columns.len()).any(|column| self.is_prose(column));
+        let is_long = self.rows.len() > if has_prose { LONGEST_PROSE } else { LONGEST };
         let environment = if is_long { "longtable" } else { "tabular" };
         // A comment ends with its line, which a name must not do.
         let caption: String = self.caption.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -65,7 +68,9 @@ fn escape(text: &str) -> String {
             '|' => escaped.push_str("\\textbar{}"),
             '±' => escaped.push_str("$\\pm$"),
             'Δ' => escaped.push_str("$\\Delta$"),
+            'β' => escaped.push_str("$\\beta$"),
             'γ' => escaped.push_str("$\\gamma$"),
+            'η' => escaped.push_str("$\\eta$"),
             '≤' => escaped.push_str("$\\le$"),
             '−' => escaped.push_str("$-$"),
             '–' => escaped.push_str("--"),
@@ -95,6 +100,7 @@ mod tests {
         let text = table(&["a|b_<i>-3"]).latex();
         assert!(text.contains("\\midrule\na\\textbar{}b\\_$<$i$>$-3 & $-$0.50 $\\pm$ 0.10 \\\\\n"), "{text}");
         assert_eq!(escape("[-0.1, -0.2] n-1 100 %\u{7}"), "[$-$0.1, $-$0.2] n-1 100 \\%?");
+        assert_eq!(escape("Δβγη"), "$\\Delta$$\\beta$$\\gamma$$\\eta$");
     }
 
     #[test]
@@ -120,5 +126,7 @@ mod tests {
         let long = table(&["a"; LONGEST + 1]).latex();
         assert!(long.contains("\\begin{longtable}{lr}") && long.ends_with("\\end{longtable}\n"), "{long}");
         assert!(table(&["a"; LONGEST]).latex().contains("\\begin{tabular}{lr}"));
+        assert!(table(&[prose; LONGEST_PROSE]).latex().contains("\\begin{tabular}{>"));
+        assert!(table(&[prose; LONGEST_PROSE + 1]).latex().contains("\\begin{longtable}{>"));
     }
 }
