@@ -253,6 +253,7 @@ mod tests {
                     successes: vec![0, successes],
                     effective_goals: None,
                     effective_picks: None,
+                    pick_rank: None,
                 },
             );
         }

@@ -99,6 +99,7 @@ mod tests {
                     successes: vec![0, last],
                     effective_goals: None,
                     effective_picks: None,
+                    pick_rank: None,
                 },
             );
         }
