@@ -11,8 +11,9 @@
 //! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states, the
 //!   paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so that δ moves
 //!   with the networks and their input normalisers alone, not with the sample. Every 100 evaluations others take
-//!   over, the first time after 100 and a window of them, without the window ever comparing different states. The first come from the first episode alone, as
-//!   the buffer holds nothing else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte
+//!   over, the first time after 100 and a window of them, without the window ever comparing different states. The
+//!   first come from the first episode alone, as the buffer holds nothing else yet. `replay` draws afresh at every
+//!   evaluation, Eq. 7 to the letter by Monte
 //!   Carlo, which adds Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of
 //!   D; where starts are random they move δ, too.
 //! - Eq. 7 has no clip, so values count as they are. An untrained critic's may lie outside [−1/(1−γ), 0].
@@ -160,6 +161,16 @@ impl TeachConfig {
         let Self { confidence: network, states, replay_states, renewal, .. } = *self;
         ProbeConfig { network, states, replay_states, renewal }
     }
+
+    /// K: in proportion to each goal's `progress`, shape `[N]`, or all on the largest; of values down to `lowest`.
+    fn curriculum(&self, progress: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
+        let proportional =
+            Distribution::proportional(progress, self.signal.negligible(lowest), "learning progress")?;
+        match self.selection {
+            Selection::Proportional => Ok(proportional),
+            Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
+        }
+    }
 }
 
 /// The TEACH teacher.
@@ -205,18 +216,6 @@ impl Method for Teach {
             state: State { episodes: 0, due: false, common, progress: Vec::new() },
             choice: None,
         }))
-    }
-}
-
-impl TeachConfig {
-    /// K: in proportion to each goal's `progress`, shape `[N]`, or all on the largest; of values down to `lowest`.
-    fn curriculum(&self, progress: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
-        let proportional =
-            Distribution::proportional(progress, self.signal.negligible(lowest), "learning progress")?;
-        match self.selection {
-            Selection::Proportional => Ok(proportional),
-            Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
-        }
     }
 }
 
