@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use envs::rng::Rng;
-use envs::{GoalEnv, Observation, Rows, Spec};
+use envs::{Observation, Reward, Rows, Spec};
 
 use crate::batch::Batch;
 use crate::error::AgentError;
@@ -87,7 +87,7 @@ pub trait Critic {
     ///
     /// # Errors
     /// [`AgentError::EmptyReplay`] before the first episode, [`AgentError::Shape`] if `batch` is of another task.
-    fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError>;
+    fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError>;
 
     /// Fills the next actions of `batch` with the greedy ones, pi(s', g).
     ///
@@ -136,22 +136,22 @@ pub trait Agent: Critic + Send {
     /// Tells the student that a training episode begins (correlated exploration noise starts anew).
     fn begin_episode(&mut self) {}
 
-    /// Takes in a finished training episode. `env` gives the reward for relabelling.
+    /// Takes in a finished training episode. `reward` is the task's for relabelling.
     ///
     /// # Errors
     /// [`AgentError::Shape`] if the episode does not fit the task.
-    fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError>;
+    fn observe(&mut self, episode: &Episode, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError>;
 
     /// Episodes between two calls of [`Agent::learn`].
     fn episodes_per_cycle(&self) -> usize;
 
-    /// One cycle's learning: its gradient steps and the Polyak updates. `env` gives the reward for relabelling. A student
+    /// One cycle's learning: its gradient steps and the Polyak updates. `reward` is the task's for relabelling. A student
     /// that is still warming up learns nothing, and its gradient steps stay.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if a loss or parameter is not finite, [`AgentError::EmptyReplay`] before the
     /// first episode, unless it is warming up.
-    fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError>;
+    fn learn(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError>;
 
     /// How much of the time spent in [`Agent::learn`] so far went into drawing batches; `None` from a student that does
     /// not tell.

@@ -39,7 +39,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Observation, Rows, Spec};
+use envs::{Observation, Reward, Rows, Spec};
 
 use crate::agent::{Agent, Critic, Episode, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
@@ -150,8 +150,8 @@ impl Critic for Ddpg {
         states
     }
 
-    fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
-        self.replay.sample(Source::All, Hindsight::NONE, env, rng, batch)
+    fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
+        self.replay.sample(Source::All, Hindsight::NONE, reward, rng, batch)
     }
 
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError> {
@@ -184,10 +184,10 @@ impl Agent for Ddpg {
         self.noise.begin_episode();
     }
 
-    fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+    fn observe(&mut self, episode: &Episode, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
         self.replay.push(episode)?;
         // Drawn whether they are fed or not: which batches are drawn later does not hang on it.
-        self.replay.sample(Source::Newest, self.config.hindsight(), env, rng, &mut self.fresh)?;
+        self.replay.sample(Source::Newest, self.config.hindsight(), reward, rng, &mut self.fresh)?;
         if self.config.normalizer.feeds(self.replay.stored() - 1) {
             self.normalizers.state.update(&self.fresh.states);
             self.normalizers.goal.update(&self.fresh.goals);
@@ -199,13 +199,13 @@ impl Agent for Ddpg {
         self.config.episodes_per_cycle()
     }
 
-    fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+    fn learn(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
         if self.is_warming_up() {
             return Ok(());
         }
         for _ in 0..self.config.updates_per_cycle {
             let begun = Instant::now();
-            self.replay.sample(Source::All, self.config.hindsight(), env, rng, &mut self.batch)?;
+            self.replay.sample(Source::All, self.config.hindsight(), reward, rng, &mut self.batch)?;
             self.sampling += begun.elapsed();
             self.learner.update(&self.batch, &self.normalizers)?;
             if self.config.polyak_every == PolyakEvery::Update {

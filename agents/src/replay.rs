@@ -10,7 +10,7 @@ mod draw;
 mod log;
 
 use envs::rng::Rng;
-use envs::{GoalEnv, Spec};
+use envs::{Reward, Spec};
 use rand::Rng as _;
 
 use crate::agent::Episode;
@@ -139,7 +139,7 @@ impl Replay {
     /// Fills `batch` with transitions drawn uniformly, with replacement, from `source`.
     ///
     /// With probability k/(k + 1) a transition's goal is one achieved in its episode, which one is up to the strategy
-    /// (HER), else the one that was asked for. Rewards are `env`'s for the achieved goal after the
+    /// (HER), else the one that was asked for. Rewards are `reward`'s for the achieved goal after the
     /// transition. The next actions are left as they are. Nothing is allocated.
     ///
     /// # Errors
@@ -148,7 +148,7 @@ impl Replay {
         &self,
         source: Source,
         hindsight: Hindsight,
-        env: &dyn GoalEnv,
+        reward: &dyn Reward,
         rng: &mut Rng,
         batch: &mut Batch,
     ) -> Result<(), AgentError> {
@@ -172,7 +172,7 @@ impl Replay {
             let [achieved, wanted] = &mut batch.goal_pair;
             widen(self.achieved(record, draw.step + 1), achieved);
             widen(&batch.goals[row * self.dims.goal..][..self.dims.goal], wanted);
-            batch.rewards[row] = env.reward(achieved, wanted) as f32;
+            batch.rewards[row] = reward.reward(achieved, wanted) as f32;
         }
         Ok(())
     }

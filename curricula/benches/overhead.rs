@@ -86,7 +86,7 @@ impl Classroom {
         let begun = Instant::now();
         for _ in 0..student.episodes_per_cycle() {
             start.state[0] += 1e-3;
-            let lesson = &mut Lesson { student: &mut **student, start: &start, env: &mut **env, rng };
+            let lesson = &mut Lesson { student: &mut **student, start: &start, goals: &mut **env, rng };
             black_box(teacher.propose(lesson).expect("a goal"));
             teacher.observe(episode).expect("an episode of this task");
         }

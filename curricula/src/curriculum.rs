@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use agents::{Critic, Episode, StudentConfig};
 use envs::rng::Rng;
-use envs::{GoalEnv, Goals, Observation, Spec};
+use envs::{GoalSource, Goals, Observation, Reward, Spec};
 
 use crate::error::CurriculumError;
 
@@ -25,8 +25,8 @@ pub struct Lesson<'a> {
     pub student: &'a mut dyn Critic,
     /// The start of the coming episode.
     pub start: &'a Observation,
-    /// The environment after its reset, for fresh goal draws ([`GoalEnv::sample_goal`]).
-    pub env: &'a mut dyn GoalEnv,
+    /// Fresh goals for that start. A teacher cannot step the environment.
+    pub goals: &'a mut dyn GoalSource,
     /// The teacher's own stream.
     pub rng: &'a mut Rng,
 }
@@ -92,7 +92,7 @@ pub trait Curriculum: Send {
     fn learn(
         &mut self,
         _student: &mut dyn Critic,
-        _env: &dyn GoalEnv,
+        _reward: &dyn Reward,
         _rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
         Ok(())

@@ -46,12 +46,35 @@ pub struct Observation {
     pub achieved: Vec<f64>,
 }
 
+/// What a task rewards: all that hindsight relabelling needs to know of an environment.
+pub trait Reward {
+    /// The sparse reward, 0 or -1, of having achieved `achieved` when `goal` was asked for (shape `[G]` both).
+    /// Hindsight relabelling uses it too.
+    ///
+    /// # Panics
+    /// If a length is not G, here and in [`Reward::success`]: only a mistake in the program can do that.
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64;
+
+    /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool;
+}
+
+/// Where fresh goals come from: all that a teacher sees of an environment.
+pub trait GoalSource {
+    /// Draws one goal into `goal`, shape `[G]`, as the environment would for the current start.
+    /// The running episode keeps its own goal.
+    ///
+    /// # Panics
+    /// If `goal` does not hold G numbers.
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]);
+}
+
 /// A goal-conditioned environment with sparse reward and fixed horizon.
 ///
 /// An episode is `reset`, optionally `set_goal` (a teacher's choice), then `horizon` times `step`.
 /// What a reset draws depends on the stream alone, never on earlier episodes or on who sets the goal:
 /// starts stay paired between curricula.
-pub trait GoalEnv: Send {
+pub trait GoalEnv: Reward + GoalSource + Send {
     /// The environment's constants.
     fn spec(&self) -> &Spec;
 
@@ -67,13 +90,6 @@ pub trait GoalEnv: Send {
     /// [`EnvError::GoalLength`] or [`EnvError::NotFinite`]; the old goal then stays.
     fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError>;
 
-    /// Draws one goal into `goal`, shape `[G]`, as the environment would for the current start.
-    /// The running episode keeps its own goal.
-    ///
-    /// # Panics
-    /// If `goal` does not hold G numbers.
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]);
-
     /// Applies `action`, shape `[A]`, clipped to [-1, 1], for one step.
     ///
     /// # Errors
@@ -85,16 +101,6 @@ pub trait GoalEnv: Send {
 
     /// The goal of the running episode, shape `[G]`.
     fn goal(&self) -> &[f64];
-
-    /// The sparse reward, 0 or -1, of having achieved `achieved` when `goal` was asked for (shape `[G]` both).
-    /// Hindsight relabelling uses it too.
-    ///
-    /// # Panics
-    /// If a length is not G, here and in [`GoalEnv::success`]: only a mistake in the program can do that.
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64;
-
-    /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool;
 
     /// What [`Renderer`](crate::render::Renderer) draws, where an environment can be drawn.
     fn scene(&self) -> Option<Scene<'_>> {

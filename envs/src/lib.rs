@@ -23,7 +23,7 @@ mod world;
 mod writer;
 
 pub use draws::{Draw, DrawError, DrawKind, RecordedDraws};
-pub use env::{Family, GoalEnv, Observation, Spec, draw_pool};
+pub use env::{Family, GoalEnv, GoalSource, Observation, Reward, Spec, draw_pool};
 pub use error::EnvError;
 pub use maze::maze_walls;
 pub use mujoco::{MUJOCO_VERSION, Physics};

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use crate::draws::{Draws, RecordedDraws};
-use crate::env::{GoalEnv, Observation, Spec};
+use crate::env::{GoalEnv, GoalSource, Observation, Reward, Spec};
 use crate::error::EnvError;
 use crate::render::{Scene, Shape};
 use crate::replay::{Replay, ReplayError, Start};
@@ -73,6 +73,22 @@ impl<W: World> Env<W> {
     }
 }
 
+impl<W: World> Reward for Env<W> {
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.world.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.world.success(achieved, goal)
+    }
+}
+
+impl<W: World> GoalSource for Env<W> {
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        let Ok(()) = self.world.draw_goal(rng, goal);
+    }
+}
+
 impl<W: World> GoalEnv for Env<W> {
     fn spec(&self) -> &Spec {
         &self.spec
@@ -90,10 +106,6 @@ impl<W: World> GoalEnv for Env<W> {
         check_finite(env, "goal", goal)?;
         self.goal.copy_from_slice(goal);
         Ok(())
-    }
-
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        let Ok(()) = self.world.draw_goal(rng, goal);
     }
 
     fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
@@ -116,14 +128,6 @@ impl<W: World> GoalEnv for Env<W> {
 
     fn goal(&self) -> &[f64] {
         &self.goal
-    }
-
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.world.reward(achieved, goal)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.world.success(achieved, goal)
     }
 
     fn scene(&self) -> Option<Scene<'_>> {

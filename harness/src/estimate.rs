@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use reports::record::{Record, Teaching};
+use reports::schema::{Record, Teaching};
 
 use crate::Registry;
 use crate::error::HarnessError;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::layout;
-use reports::record::{Manifest, Outcome};
+use reports::schema::{Manifest, Outcome};
+use reports::store::layout;
 
 use crate::error::HarnessError;
 use crate::executor::is_locked;

@@ -58,7 +58,7 @@ fn time_left(done: u64, total: u64, elapsed: Duration) -> Option<Duration> {
 
 /// How a run ended, in words.
 fn ending_text(ending: &Ending) -> String {
-    use reports::record::Outcome;
+    use reports::schema::Outcome;
     match ending {
         Ending::Ended(Outcome::Finished { step }) => format!("finished after {step} steps"),
         Ending::Ended(Outcome::Failed { step, reason }) => format!("FAILED at step {step}: {reason}"),

@@ -2,7 +2,7 @@
 
 use curricula::Entry as CurriculumEntry;
 use envs::Environment;
-use reports::record::RunKey;
+use reports::schema::RunKey;
 
 use crate::error::HarnessError;
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::layout;
-use reports::record::{Crash, Outcome, Record, RunKey, Timing};
+use reports::schema::{Crash, Outcome, Record, RunKey, Timing};
+use reports::store::layout;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use protobuf::CodedOutputStream;
-use reports::layout;
-use reports::record::{Record, Teaching, Timing};
+use reports::schema::{Record, Teaching, Timing};
+use reports::store::layout;
 use serde::de::DeserializeOwned;
 
 use crate::run::folder::new_file;

@@ -7,8 +7,8 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use reports::layout;
-use reports::record::{Record, RunKey};
+use reports::schema::{Record, RunKey};
+use reports::store::layout;
 use support::{stderr, toy, toy_args};
 
 fn records(results: &Path, curriculum: &str, seed: u64) -> Vec<u8> {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use agents::Mode;
 use envs::rng::{Purpose, stream};
 use goalbench::run::{checkpoint, folder, manifest};
-use reports::layout;
+use reports::store::layout;
 use serde_json::Value;
 use support::{goalbench, stderr, stdout, toy};
 

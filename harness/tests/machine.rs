@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use reports::layout;
+use reports::store::layout;
 use support::{stderr, stdout, toy};
 
 /// Runs `script` in a shell in which mounting is allowed, with `$goalbench` and `$dir` set; `None` where the system forbids it.

@@ -7,7 +7,7 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::layout;
+use reports::store::layout;
 use support::{goalbench, stderr, stdout, toy};
 
 /// Arguments of a merge of `sources` into `out`.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use envs::rng::{Purpose, stream};
 use envs::{Goals, Options, draw_pool};
-use reports::record::{Record, Teaching};
+use reports::schema::{Record, Teaching};
 use rustix::process::{Pid, Signal, kill_process};
 use serde::de::DeserializeOwned;
 

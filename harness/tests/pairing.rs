@@ -7,11 +7,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, Environment, Family, GoalEnv, Observation, Options, Spec};
+use envs::{EnvError, Environment, Family, GoalEnv, GoalSource, Observation, Options, Reward, Spec};
 use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
 use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
-use reports::record::{Record, RunKey, Teaching};
+use reports::schema::{Record, RunKey, Teaching};
 
 const SEED: u64 = 11;
 
@@ -45,6 +45,22 @@ fn make(spec: Spec, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
     Ok(Box::new(Noted { point: envs::make("Point", options)?, spec, episode: 0 }))
 }
 
+impl Reward for Noted {
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.point.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.point.success(achieved, goal)
+    }
+}
+
+impl GoalSource for Noted {
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        self.point.sample_goal(rng, goal);
+    }
+}
+
 impl GoalEnv for Noted {
     fn spec(&self) -> &Spec {
         &self.spec
@@ -66,10 +82,6 @@ impl GoalEnv for Noted {
         self.point.set_goal(goal)
     }
 
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        self.point.sample_goal(rng, goal);
-    }
-
     fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
         self.point.step(action)?;
         let achieved = self.point.observation().achieved.clone();
@@ -83,14 +95,6 @@ impl GoalEnv for Noted {
 
     fn goal(&self) -> &[f64] {
         self.point.goal()
-    }
-
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.point.reward(achieved, goal)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.point.success(achieved, goal)
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::LazyLock;
 
-use reports::layout;
+use reports::store::layout;
 use serde_json::Value;
 use support::{goalbench, stderr, stdout};
 

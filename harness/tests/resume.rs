@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use reports::layout;
+use reports::store::layout;
 use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, toy, toy_args};
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use reports::layout;
+use reports::store::layout;
 use support::{goalbench, stderr, stdout, toy, toy_args};
 
 /// Long enough to be killed in.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use goalbench::tracking::EVENTS;
-use reports::layout;
+use reports::store::layout;
 use support::{goalbench, stderr, toy, toy_args};
 
 fn run(results: &Path) -> PathBuf {
@@ -60,9 +60,9 @@ fn tensorboard_reads_what_the_records_say() {
     let read = support::stdout(&output);
 
     let records = fs::read_to_string(run(folder.path()).join(layout::RECORDS)).expect("records");
-    let records: Vec<reports::record::Record> =
+    let records: Vec<reports::schema::Record> =
         records.lines().map(|line| serde_json::from_str(line).expect("a record")).collect();
-    let series = |value: fn(&reports::record::Record) -> f64| {
+    let series = |value: fn(&reports::schema::Record) -> f64| {
         let points = records.iter().map(|record| format!("{}:{:.4}", record.step, value(record)));
         points.collect::<Vec<_>>().join(" ")
     };

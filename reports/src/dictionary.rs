@@ -1,6 +1,6 @@
 //! The data dictionary: what every column of the tidy data and of the tables' numbers means.
 
-use crate::comparison::{ALPHA, TARGET_POWER};
+use crate::analysis::comparison::{ALPHA, TARGET_POWER};
 use crate::report::Options;
 
 /// A column of a file.

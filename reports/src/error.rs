@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::problem::Problem;
+use crate::store::problem::Problem;
 
 /// Errors of this crate. What is wrong with single files of a results folder is a [`Problem`] instead: it is
 /// reported beside the figures and never stops them.

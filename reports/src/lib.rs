@@ -16,38 +16,18 @@
 //!
 //! It never prints: what is wrong with single files comes back as [`problem::Problem`]s.
 
-pub mod ablation;
-pub mod aggregate;
-pub mod comparison;
-pub mod complete;
-pub mod cost;
-pub mod curves;
+pub mod analysis;
 pub mod deviations;
 pub mod dictionary;
-pub mod efficiency;
 pub mod environment;
 pub mod error;
-pub mod figure;
-pub mod finals;
-pub mod group;
-pub mod heat;
-pub mod improvement;
-pub mod layout;
-pub mod ledger;
 pub mod methods;
-pub mod missing;
-pub mod page;
 pub mod paper;
-pub mod problem;
-pub mod readings;
-pub mod record;
+pub mod render;
 pub mod report;
-pub mod scores;
+pub mod schema;
 pub mod stats;
 pub mod store;
-pub mod summary;
 pub mod synthetic;
-pub mod table;
-pub mod teaching;
 
 pub use error::ReportError;

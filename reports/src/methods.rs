@@ -5,53 +5,8 @@
 
 use std::cmp::Ordering;
 
-/// Red, green, blue.
-pub type Rgb = (u8, u8, u8);
-
-/// How a curve is drawn. Colour, dashes and marker each tell methods apart, so that figures can be read in grey.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
-    /// Colour of line, marker and band.
-    pub colour: Rgb,
-    /// Dash pattern of the line.
-    pub dash: Dash,
-    /// Shape on the line.
-    pub marker: Marker,
-}
-
-/// Dash pattern of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dash {
-    /// No gaps.
-    Solid,
-    /// Dashes with short gaps.
-    Long,
-    /// Dashes as long as the gaps.
-    Short,
-    /// Dots.
-    Dotted,
-    /// Long dashes and dots in turn.
-    DashDot,
-    /// Short dashes far apart.
-    Sparse,
-}
-
-/// Shape of the markers on a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    /// Filled circle.
-    Circle,
-    /// Filled square.
-    Square,
-    /// Filled triangle, tip up.
-    Triangle,
-    /// Filled triangle, tip down.
-    Wedge,
-    /// Filled square on its corner.
-    Diamond,
-    /// Diagonal cross.
-    Cross,
-}
+use looks::colours::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY_BLUE, VERMILION};
+use looks::{Dash, Look, Marker};
 
 /// A row of [`METHODS`].
 #[derive(Clone, Copy, Debug)]
@@ -64,39 +19,23 @@ pub struct Method {
     pub look: Look,
 }
 
-// Okabe and Ito, "Color Universal Design" (2008): distinguishable with all common forms of colour blindness.
-const BLACK: Rgb = (0, 0, 0);
-const ORANGE: Rgb = (230, 159, 0);
-const SKY_BLUE: Rgb = (86, 180, 233);
-// A little darker than theirs, which is too close to vermilion in grey.
-const GREEN: Rgb = (0, 154, 112);
-const BLUE: Rgb = (0, 114, 178);
-const VERMILION: Rgb = (213, 94, 0);
-const PURPLE: Rgb = (204, 121, 167);
-// Not Okabe-Ito's yellow, which fades on white paper.
-const GREY: Rgb = (170, 170, 170);
-
-const fn look(colour: Rgb, dash: Dash, marker: Marker) -> Look {
-    Look { colour, dash, marker }
-}
-
 /// Every known curriculum, in the order of legends and tables.
 pub static METHODS: &[Method] = &[
-    Method { id: "teach", title: "TEACH", look: look(VERMILION, Dash::Solid, Marker::Circle) },
-    Method { id: "vds", title: "VDS", look: look(BLUE, Dash::Long, Marker::Square) },
-    Method { id: "procurl", title: "ProCuRL", look: look(GREEN, Dash::Short, Marker::Triangle) },
-    Method { id: "space", title: "SPaCE", look: look(PURPLE, Dash::DashDot, Marker::Diamond) },
-    Method { id: "her-iid", title: "HER-IID", look: look(BLACK, Dash::Dotted, Marker::Cross) },
-    Method { id: "her-iid-pool", title: "HER-IID-pool", look: look(GREY, Dash::Sparse, Marker::Wedge) },
+    Method { id: "teach", title: "TEACH", look: Look::new(VERMILION, Dash::Solid, Marker::Circle) },
+    Method { id: "vds", title: "VDS", look: Look::new(BLUE, Dash::Long, Marker::Square) },
+    Method { id: "procurl", title: "ProCuRL", look: Look::new(GREEN, Dash::Short, Marker::Triangle) },
+    Method { id: "space", title: "SPaCE", look: Look::new(PURPLE, Dash::DashDot, Marker::Diamond) },
+    Method { id: "her-iid", title: "HER-IID", look: Look::new(BLACK, Dash::Dotted, Marker::Cross) },
+    Method { id: "her-iid-pool", title: "HER-IID-pool", look: Look::new(GREY, Dash::Sparse, Marker::Wedge) },
 ];
 
 /// Looks of curricula without a row, taken in the order of their ids and reused from the start when used up.
 pub static FALLBACK: &[Look] = &[
-    look(ORANGE, Dash::Solid, Marker::Square),
-    look(SKY_BLUE, Dash::Long, Marker::Triangle),
-    look(ORANGE, Dash::Dotted, Marker::Diamond),
-    look(SKY_BLUE, Dash::Short, Marker::Circle),
-    look(GREY, Dash::Solid, Marker::Cross),
+    Look::new(ORANGE, Dash::Solid, Marker::Square),
+    Look::new(SKY_BLUE, Dash::Long, Marker::Triangle),
+    Look::new(ORANGE, Dash::Dotted, Marker::Diamond),
+    Look::new(SKY_BLUE, Dash::Short, Marker::Circle),
+    Look::new(GREY, Dash::Solid, Marker::Cross),
 ];
 
 /// The row of a curriculum, if it has one.
@@ -146,6 +85,8 @@ fn split_number(text: &str) -> (&str, &str) {
 
 #[cfg(test)]
 mod tests {
+    use looks::Rgb;
+
     use super::*;
 
     /// The grey of a colour, by the weights of ITU-R BT.601.

@@ -11,10 +11,10 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::analysis::teaching::PICKED_GOALS;
 use crate::error::ReportError;
-use crate::layout;
-use crate::record::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
-use crate::teaching::PICKED_GOALS;
+use crate::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
+use crate::store::layout;
 
 /// Goals in the pool.
 const POOL: u32 = 1_000;

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, Family, GoalEnv, Observation, Rows, Spec};
+use envs::{EnvError, Family, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
 
 use super::{HerStrategy, Hindsight, Replay, Source};
 use crate::agent::Episode;
@@ -14,23 +14,29 @@ const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, ac
 /// A task that is only asked for rewards: 0 if achieved and goal are equal, else −1.
 struct Equal;
 
-impl GoalEnv for Equal {
-    fn spec(&self) -> &Spec {
-        &SPEC
-    }
+impl Reward for Equal {
     fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
         if achieved == goal { 0.0 } else { -1.0 }
     }
     fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
         achieved == goal
     }
+}
+
+impl GoalSource for Equal {
+    fn sample_goal(&mut self, _rng: &mut Rng, _goal: &mut [f64]) {
+        unreachable!("only rewards are asked for")
+    }
+}
+
+impl GoalEnv for Equal {
+    fn spec(&self) -> &Spec {
+        &SPEC
+    }
     fn reset(&mut self, _rng: &mut Rng) -> Result<(), EnvError> {
         unreachable!("only rewards are asked for")
     }
     fn set_goal(&mut self, _goal: &[f64]) -> Result<(), EnvError> {
-        unreachable!("only rewards are asked for")
-    }
-    fn sample_goal(&mut self, _rng: &mut Rng, _goal: &mut [f64]) {
         unreachable!("only rewards are asked for")
     }
     fn step(&mut self, _action: &[f64]) -> Result<(), EnvError> {

@@ -2,7 +2,7 @@
 
 use agents::Episode;
 use envs::rng::Rng;
-use envs::{EnvError, Family, GoalEnv, Observation, Rows, Spec};
+use envs::{EnvError, Family, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
 use rand::Rng as _;
 
 /// The dimensions of FetchPush.
@@ -24,6 +24,22 @@ impl Still {
     }
 }
 
+impl Reward for Still {
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        let squared: f64 = achieved.iter().zip(goal).map(|(a, g)| (a - g) * (a - g)).sum();
+        if squared.sqrt() > 0.05 { -1.0 } else { 0.0 }
+    }
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.reward(achieved, goal) == 0.0
+    }
+}
+
+impl GoalSource for Still {
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        goal.fill_with(|| rng.random());
+    }
+}
+
 impl GoalEnv for Still {
     fn spec(&self) -> &Spec {
         &self.spec
@@ -36,9 +52,6 @@ impl GoalEnv for Still {
         self.goal.copy_from_slice(goal);
         Ok(())
     }
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        goal.fill_with(|| rng.random());
-    }
     fn step(&mut self, _action: &[f64]) -> Result<(), EnvError> {
         Ok(())
     }
@@ -47,13 +60,6 @@ impl GoalEnv for Still {
     }
     fn goal(&self) -> &[f64] {
         &self.goal
-    }
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        let squared: f64 = achieved.iter().zip(goal).map(|(a, g)| (a - g) * (a - g)).sum();
-        if squared.sqrt() > 0.05 { -1.0 } else { 0.0 }
-    }
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.reward(achieved, goal) == 0.0
     }
 }
 

@@ -39,7 +39,7 @@ use agents::{
     AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Episode, Network, Preset, StudentConfig,
 };
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Goals, Rows};
+use envs::{Goals, Reward, Rows};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
@@ -279,7 +279,7 @@ impl Vds {
         self.candidates.clear();
         self.starts.clear();
         for _ in 0..self.config.candidates {
-            lesson.env.sample_goal(lesson.rng, &mut goal);
+            lesson.goals.sample_goal(lesson.rng, &mut goal);
             self.candidates.push(&goal);
             self.starts.push(&lesson.start.state);
         }
@@ -316,12 +316,12 @@ impl Curriculum for Vds {
     fn learn(
         &mut self,
         student: &mut dyn Critic,
-        env: &dyn GoalEnv,
+        reward: &dyn Reward,
         rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
         let mut loss = 0.0;
         for _ in 0..self.updates {
-            student.replay_batch(env, rng, &mut self.batch)?;
+            student.replay_batch(reward, rng, &mut self.batch)?;
             student.label_next_actions(&mut self.batch, Network::Online)?;
             loss += self.ensemble.update(&self.batch)?;
         }

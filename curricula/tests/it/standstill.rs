@@ -30,7 +30,7 @@ fn taught(states: &str, student: &str) -> f64 {
             let [starts, exploration, replay, rng] = &mut streams;
             env.reset(starts).unwrap();
             let start = env.observation().clone();
-            let lesson = &mut Lesson { student: &mut *student, start: &start, env: &mut *env, rng };
+            let lesson = &mut Lesson { student: &mut *student, start: &start, goals: &mut *env, rng };
             let Proposal::Pool(goal) = teacher.propose(lesson).unwrap() else { panic!("not of the pool") };
             env.set_goal(setting.pool.row(goal)).unwrap();
             let episode = play(&mut *env, &mut *student, exploration);

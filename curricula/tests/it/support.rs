@@ -6,7 +6,7 @@ use std::sync::Arc;
 use agents::{AgentError, Auto, Batch, Critic, Episode, Network, StudentConfig};
 use curricula::{CURRICULA, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting};
 use envs::rng::{Purpose, Rng, stream, uniform};
-use envs::{GoalEnv, Goals, Observation, Rows, Spec, draw_pool};
+use envs::{GoalEnv, Goals, Observation, Reward, Rows, Spec, draw_pool};
 
 /// −1/(1−γ) of the scripted student.
 pub(crate) const LOWEST: f64 = -50.0;
@@ -98,7 +98,7 @@ impl Critic for Scripted {
     }
 
     /// The next actions are not to be used before they are labelled, so they are not numbers.
-    fn replay_batch(&self, _env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
+    fn replay_batch(&self, _reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
         if !self.has_replay {
             return Err(AgentError::EmptyReplay);
         }
@@ -205,7 +205,7 @@ impl Class {
     pub(crate) fn propose(&mut self) -> Result<Proposal, CurriculumError> {
         self.reset();
         let Self { teacher, student, start, env, rng, .. } = self;
-        let proposal = teacher.propose(&mut Lesson { student, start, env: &mut **env, rng })?;
+        let proposal = teacher.propose(&mut Lesson { student, start, goals: &mut **env, rng })?;
         teacher.observe(&standing_still(&**env))?;
         Ok(proposal)
     }

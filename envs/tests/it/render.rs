@@ -4,7 +4,7 @@ use std::process::Command;
 
 use envs::render::{Image, MAX_SIZE, RenderError, Renderer};
 use envs::rng::{Purpose, stream};
-use envs::{EnvError, GoalEnv, Observation, Options, Spec, make};
+use envs::{EnvError, GoalEnv, GoalSource, Observation, Options, Reward, Spec, make};
 
 const SIZE: u32 = 260;
 
@@ -122,7 +122,23 @@ fn sizes_out_of_range_are_errors() {
 /// An environment from elsewhere that says nothing about its looks.
 struct Faceless(Spec);
 
+impl Reward for Faceless {
+    fn reward(&self, _: &[f64], _: &[f64]) -> f64 {
+        -1.0
+    }
+    fn success(&self, _: &[f64], _: &[f64]) -> bool {
+        false
+    }
+}
+
+impl GoalSource for Faceless {
+    fn sample_goal(&mut self, _: &mut envs::rng::Rng, _: &mut [f64]) {}
+}
+
 impl GoalEnv for Faceless {
+    fn step(&mut self, _: &[f64]) -> Result<(), EnvError> {
+        Ok(())
+    }
     fn spec(&self) -> &Spec {
         &self.0
     }
@@ -132,21 +148,11 @@ impl GoalEnv for Faceless {
     fn set_goal(&mut self, _: &[f64]) -> Result<(), EnvError> {
         Ok(())
     }
-    fn sample_goal(&mut self, _: &mut envs::rng::Rng, _: &mut [f64]) {}
-    fn step(&mut self, _: &[f64]) -> Result<(), EnvError> {
-        Ok(())
-    }
     fn observation(&self) -> &Observation {
         const { &Observation { state: Vec::new(), achieved: Vec::new() } }
     }
     fn goal(&self) -> &[f64] {
         &[]
-    }
-    fn reward(&self, _: &[f64], _: &[f64]) -> f64 {
-        -1.0
-    }
-    fn success(&self, _: &[f64], _: &[f64]) -> bool {
-        false
     }
 }
 

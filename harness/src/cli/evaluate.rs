@@ -11,7 +11,7 @@ use std::time::Duration;
 use envs::rng::{Purpose, stream};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use reports::record::RunKey;
+use reports::schema::RunKey;
 
 use super::{Exit, FAILED, complain, print};
 use crate::Registry;

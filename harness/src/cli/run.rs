@@ -6,7 +6,7 @@ mod dry;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use reports::record::{Manifest, Outcome};
+use reports::schema::{Manifest, Outcome};
 
 use super::{Exit, FAILED, STOPPED, complain, print};
 use crate::Registry;

@@ -1,6 +1,6 @@
 //! What a worker tells its parent, one JSON line each on its standard output.
 
-use reports::record::Outcome;
+use reports::schema::Outcome;
 use serde::{Deserialize, Serialize};
 
 /// A worker's message.

@@ -9,8 +9,8 @@ pub mod worker;
 use std::fs::{self, TryLockError};
 use std::path::{Path, PathBuf};
 
-use reports::layout;
-use reports::record::{Manifest, Outcome};
+use reports::schema::{Manifest, Outcome};
+use reports::store::layout;
 
 use crate::error::HarnessError;
 use crate::protocol::plan::Plan;

@@ -76,7 +76,7 @@ pub fn submit(
     }
     check_queue(&results)?;
     let folder = new_submission(&results)?;
-    let relative = |job: &Job| reports::layout::run_dir(Path::new(""), &job.manifest.run);
+    let relative = |job: &Job| reports::store::layout::run_dir(Path::new(""), &job.manifest.run);
     let tasks =
         open.chunks(request.chunk.max(1)).map(|chunk| chunk.iter().map(|job| relative(job)).collect());
     let tasks =

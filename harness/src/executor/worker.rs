@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use agents::AgentError;
 use curricula::CurriculumError;
-use reports::layout;
-use reports::record::{Outcome, Record, RunKey, Teaching};
+use reports::schema::{Outcome, Record, RunKey, Teaching};
+use reports::store::layout;
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::Lock;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reports::record::RunKey;
+use reports::schema::RunKey;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -211,7 +211,7 @@ impl Profile {
 
 #[cfg(test)]
 mod tests {
-    use reports::record::RunKey;
+    use reports::schema::RunKey;
 
     use super::{Costs, Memory, Profile, Size};
 

@@ -73,7 +73,7 @@ mod tests {
     use std::sync::Arc;
     use std::time::Duration;
 
-    use reports::record::{Record, Teaching};
+    use reports::schema::{Record, Teaching};
 
     use super::timed::{Clock, TimedAgent, TimedEnv};
     use crate::Registry;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use agents::{Agent, AgentError, Batch, Critic, Episode, Mode, Network};
 use envs::render::Scene;
 use envs::rng::Rng;
-use envs::{EnvError, GoalEnv, Observation, Replay, Rows, Spec};
+use envs::{EnvError, GoalEnv, GoalSource, Observation, Replay, Reward, Rows, Spec};
 
 /// A sum of durations. One thread adds to it; being atomic, it can be shared with a decorator that must be [`Send`].
 #[derive(Debug, Default)]
@@ -58,6 +58,22 @@ impl TimedEnv {
     }
 }
 
+impl Reward for TimedEnv {
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.env.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.env.success(achieved, goal)
+    }
+}
+
+impl GoalSource for TimedEnv {
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        self.env.sample_goal(rng, goal);
+    }
+}
+
 impl GoalEnv for TimedEnv {
     fn spec(&self) -> &Spec {
         self.env.spec()
@@ -71,10 +87,6 @@ impl GoalEnv for TimedEnv {
         self.env.set_goal(goal)
     }
 
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        self.env.sample_goal(rng, goal);
-    }
-
     fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
         self.clock.stepping.time(|| self.env.step(action))
     }
@@ -85,14 +97,6 @@ impl GoalEnv for TimedEnv {
 
     fn goal(&self) -> &[f64] {
         self.env.goal()
-    }
-
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.env.reward(achieved, goal)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.env.success(achieved, goal)
     }
 
     fn scene(&self) -> Option<Scene<'_>> {
@@ -141,7 +145,7 @@ impl Critic for TimedAgent {
         self.agent.replay_states(m, rng)
     }
 
-    fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
+    fn replay_batch(&self, env: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
         self.agent.replay_batch(env, rng, batch)
     }
 
@@ -165,7 +169,7 @@ impl Agent for TimedAgent {
         self.agent.begin_episode();
     }
 
-    fn observe(&mut self, episode: &Episode, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+    fn observe(&mut self, episode: &Episode, env: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
         self.clock.storing.time(|| self.agent.observe(episode, env, rng))
     }
 
@@ -173,7 +177,7 @@ impl Agent for TimedAgent {
         self.agent.episodes_per_cycle()
     }
 
-    fn learn(&mut self, env: &dyn GoalEnv, rng: &mut Rng) -> Result<(), AgentError> {
+    fn learn(&mut self, env: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
         let before = self.agent.sampling_time();
         let outcome = self.agent.learn(env, rng);
         if let (Some(before), Some(after)) = (before, self.agent.sampling_time()) {

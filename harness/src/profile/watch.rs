@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use agents::Products;
-use reports::record::{Record, Teaching};
+use reports::schema::{Record, Teaching};
 
 use super::costs::{Costs, Size};
 use super::timed::Clock;

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
-use reports::record::RunKey;
+use reports::schema::RunKey;
 
 use super::{Display, ending_text};
 use crate::executor::event::Event;

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use reports::record::RunKey;
+use reports::schema::RunKey;
 
 use super::{Display, ending_text, human, time_left};
 use crate::executor::event::Event;

@@ -1,6 +1,6 @@
 //! A plan: the runs that a protocol stands for, each with its complete config.
 
-use reports::record::RunKey;
+use reports::schema::RunKey;
 
 use super::{DEFAULT_VARIANT, Protocol, Variant};
 use crate::Registry;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use reports::record;
+use reports::schema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -27,7 +27,7 @@ pub const SCHEMA: u32 = 1;
 pub struct Baseline {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// [`record::SCHEMA`] of the runs.
+    /// [`schema::SCHEMA`] of the runs.
     pub record_schema: u32,
     /// The options that name the protocol, as given when it was recorded.
     pub source: String,
@@ -104,7 +104,7 @@ impl Baseline {
         });
         Ok(Self {
             schema: SCHEMA,
-            record_schema: record::SCHEMA,
+            record_schema: schema::SCHEMA,
             source: origin.source,
             versions: origin.versions,
             cpu: cpu(),
@@ -130,7 +130,7 @@ impl Baseline {
 
     fn parse(text: &str) -> Result<Self, String> {
         let value: Value = serde_json::from_str(text).map_err(|error| format!("is no baseline: {error}"))?;
-        for (field, ours) in [("schema", SCHEMA), ("record_schema", record::SCHEMA)] {
+        for (field, ours) in [("schema", SCHEMA), ("record_schema", schema::SCHEMA)] {
             match value.get(field).and_then(Value::as_u64) {
                 Some(found) if found == u64::from(ours) => {}
                 Some(found) => return Err(format!("has {field} {found}, this program reads {ours}")),

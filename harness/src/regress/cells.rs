@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use reports::layout;
-use reports::record::{Outcome, Record};
+use reports::schema::{Outcome, Record};
+use reports::store::layout;
 use serde::{Deserialize, Serialize};
 
 use super::config::{self, Fields};

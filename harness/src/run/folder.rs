@@ -8,8 +8,8 @@ use std::io::{ErrorKind, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
-use reports::layout;
-use reports::record::{Manifest, Outcome};
+use reports::schema::{Manifest, Outcome};
+use reports::store::layout;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tempfile::NamedTempFile;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use reports::record::{Manifest, RunKey, SCHEMA};
+use reports::schema::{Manifest, RunKey, SCHEMA};
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;

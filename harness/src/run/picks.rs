@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use curricula::{Choice, Rank};
-use reports::record::Teaching;
+use reports::schema::Teaching;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the episodes since the last evaluation that their record does not hold.

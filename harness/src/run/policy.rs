@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use agents::{Agent, AgentError};
 use envs::{EnvError, GoalEnv, Options, Spec};
-use reports::record::{Manifest, RunKey};
+use reports::schema::{Manifest, RunKey};
 
 use super::checkpoint::{self, CHECKPOINT, CheckpointError};
 use super::folder;

@@ -8,7 +8,7 @@ use agents::{Agent, AgentError, Episode, Mode};
 use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
 use envs::rng::Purpose;
 use envs::{EnvError, GoalEnv, Goals, Rows, draw_pool};
-use reports::record::{Record, RunKey, Teaching};
+use reports::schema::{Record, RunKey, Teaching};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -312,7 +312,7 @@ impl Trainer {
         let proposal = self.curriculum.propose(&mut Lesson {
             student: self.agent.as_mut(),
             start: &start,
-            env,
+            goals: &mut *env,
             rng: &mut self.streams.teacher,
         })?;
         watcher.spent(Phase::Teacher, begun.elapsed());

@@ -14,7 +14,7 @@ use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
 use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
 use marked::{MARK, SEED};
-use reports::record::{Record, RunKey, Teaching};
+use reports::schema::{Record, RunKey, Teaching};
 
 /// A run's records, and nothing kept on disk.
 #[derive(Default)]

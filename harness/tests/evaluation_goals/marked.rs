@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, GoalEnv, Observation, Options, Spec};
+use envs::{EnvError, GoalEnv, GoalSource, Observation, Options, Reward, Spec};
 
 /// Added to every number of an evaluation's states and goals. The training side has none beyond 1.
 pub(crate) const MARK: f64 = 1_000.0;
@@ -54,6 +54,25 @@ impl Marked {
     }
 }
 
+impl Reward for Marked {
+    // Differences are all that counts, and those of two shifted places are the same.
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.point.reward(achieved, goal)
+    }
+
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.point.success(achieved, goal)
+    }
+}
+
+impl GoalSource for Marked {
+    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
+        let shift = shift(rng);
+        self.point.sample_goal(rng, goal);
+        goal.iter_mut().for_each(|x| *x += shift);
+    }
+}
+
 impl GoalEnv for Marked {
     fn spec(&self) -> &Spec {
         &self.spec
@@ -75,12 +94,6 @@ impl GoalEnv for Marked {
         Ok(())
     }
 
-    fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        let shift = shift(rng);
-        self.point.sample_goal(rng, goal);
-        goal.iter_mut().for_each(|x| *x += shift);
-    }
-
     fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
         self.point.step(action)?;
         self.show();
@@ -93,14 +106,5 @@ impl GoalEnv for Marked {
 
     fn goal(&self) -> &[f64] {
         &self.goal
-    }
-
-    // Differences are all that counts, and those of two shifted places are the same.
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.point.reward(achieved, goal)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.point.success(achieved, goal)
     }
 }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use agents::{AgentError, Batch, Critic, Episode, Network};
 use curricula::{Choice, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, Statistics};
 use envs::rng::Rng;
-use envs::{EnvError, GoalEnv, Observation, Rows, Spec};
+use envs::{GoalSource, Reward, Rows, Spec};
 use toml::Table;
 
 /// How often a teacher was handed something, and the largest number in it.
@@ -54,11 +54,10 @@ impl Curriculum for Watched {
     fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         note_all(&lesson.start.state);
         note_all(&lesson.start.achieved);
-        note_all(lesson.env.goal());
         self.0.propose(&mut Lesson {
             student: &mut WatchedStudent(lesson.student),
             start: lesson.start,
-            env: &mut WatchedEnv(lesson.env),
+            goals: &mut WatchedGoals(lesson.goals),
             rng: lesson.rng,
         })
     }
@@ -73,12 +72,10 @@ impl Curriculum for Watched {
     fn learn(
         &mut self,
         student: &mut dyn Critic,
-        env: &dyn GoalEnv,
+        reward: &dyn Reward,
         rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
-        note_all(env.goal());
-        note_all(&env.observation().state);
-        self.0.learn(&mut WatchedStudent(student), env, rng)
+        self.0.learn(&mut WatchedStudent(student), reward, rng)
     }
 
     fn choice(&self) -> Option<Choice> {
@@ -124,8 +121,8 @@ impl Critic for WatchedStudent<'_> {
         states
     }
 
-    fn replay_batch(&self, env: &dyn GoalEnv, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
-        self.0.replay_batch(env, rng, batch)?;
+    fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
+        self.0.replay_batch(reward, rng, batch)?;
         for numbers in [&batch.states, &batch.next_states, &batch.goals] {
             note(numbers.iter().map(|&x| f64::from(x)));
         }
@@ -137,44 +134,12 @@ impl Critic for WatchedStudent<'_> {
     }
 }
 
-/// An environment whose fresh goals are noted.
-struct WatchedEnv<'a>(&'a mut dyn GoalEnv);
+/// A goal source whose goals are noted.
+struct WatchedGoals<'a>(&'a mut dyn GoalSource);
 
-impl GoalEnv for WatchedEnv<'_> {
-    fn spec(&self) -> &Spec {
-        self.0.spec()
-    }
-
-    fn reset(&mut self, rng: &mut Rng) -> Result<(), EnvError> {
-        self.0.reset(rng)
-    }
-
-    fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError> {
-        self.0.set_goal(goal)
-    }
-
+impl GoalSource for WatchedGoals<'_> {
     fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
         self.0.sample_goal(rng, goal);
         note_all(goal);
-    }
-
-    fn step(&mut self, action: &[f64]) -> Result<(), EnvError> {
-        self.0.step(action)
-    }
-
-    fn observation(&self) -> &Observation {
-        self.0.observation()
-    }
-
-    fn goal(&self) -> &[f64] {
-        self.0.goal()
-    }
-
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.0.reward(achieved, goal)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.0.success(achieved, goal)
     }
 }

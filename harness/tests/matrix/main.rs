@@ -12,8 +12,8 @@ use std::path::Path;
 
 use goal_space::GoalSpace;
 use goalbench::Registry;
-use reports::layout;
-use reports::record::{Record, RunKey, Teaching};
+use reports::schema::{Record, RunKey, Teaching};
+use reports::store::layout;
 use serde::de::DeserializeOwned;
 use support::{goalbench, stderr, stdout};
 

@@ -5,23 +5,23 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::Options;
-use crate::ablation::{self, AXES, Ablation};
-use crate::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
-use crate::comparison::{self, Comparison};
-use crate::complete;
-use crate::curves::Curve;
-use crate::efficiency::{self, Efficiency};
+use crate::analysis::ablation::{self, AXES, Ablation};
+use crate::analysis::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
+use crate::analysis::comparison::{self, Comparison};
+use crate::analysis::complete;
+use crate::analysis::curves::Curve;
+use crate::analysis::efficiency::{self, Efficiency};
+use crate::analysis::finals::Finals;
+use crate::analysis::group::{self, Group, GroupKey};
+use crate::analysis::heat::HeatMap;
+use crate::analysis::improvement::{self, Improvement};
+use crate::analysis::ledger::{self, Entry};
+use crate::analysis::readings::Readings;
+use crate::analysis::summary::Row;
+use crate::analysis::teaching;
 use crate::environment::MazeInfo;
-use crate::finals::Finals;
-use crate::group::{self, Group, GroupKey};
-use crate::heat::HeatMap;
-use crate::improvement::{self, Improvement};
-use crate::ledger::{self, Entry};
-use crate::problem::Problem;
-use crate::readings::Readings;
+use crate::store::problem::Problem;
 use crate::store::{self, Store};
-use crate::summary::Row;
-use crate::teaching;
 
 /// Which groups there are, and which of them stand for their method. Everything else borrows from it.
 pub(super) struct Groups<'a> {

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use super::Options;
 use super::analysis::{Analysis, Groups};
 use super::files::{File, file_name};
-use crate::ablation::{AXES, Ablation, Axis};
-use crate::curves::{Curve, Progress};
+use crate::analysis::ablation::{AXES, Ablation, Axis};
+use crate::analysis::curves::{Curve, Progress};
+use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
-use crate::figure::{self, LearningPanel};
-use crate::group::GroupKey;
-use crate::page::{Picture, Section};
+use crate::render::figure::{self, LearningPanel};
+use crate::render::page::{Picture, Section};
 
 /// A figure before it is rendered.
 struct Drawing {
@@ -191,7 +191,7 @@ fn labelled(
     let id = environment(ablation);
     let title = if before == 0 { id.clone() } else { format!("{id} ({})", before + 1) };
     let Axis { symbol, .. } = ablation.axis;
-    let curve = |level: &crate::ablation::Level<'_>| {
+    let curve = |level: &crate::analysis::ablation::Level<'_>| {
         let curve = &groups.curves[level.group];
         let key = GroupKey { variant: format!("{symbol} = {}", level.text()), ..curve.key.clone() };
         Curve { key, ..curve.clone() }

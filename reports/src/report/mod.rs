@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 
 use crate::environment::{EnvironmentInfo, MazeInfo};
 use crate::error::ReportError;
-use crate::layout;
-use crate::page::{Page, READINGS};
-use crate::problem::Problem;
+use crate::render::page::{Page, READINGS};
+use crate::render::table::{Table, markdown_escape};
 use crate::stats::Resampling;
 use crate::store::Store;
-use crate::table::{Table, markdown_escape};
+use crate::store::layout;
+use crate::store::problem::Problem;
 use analysis::{Analysis, Groups};
 use tables::Tables;
 

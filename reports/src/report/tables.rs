@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use super::Options;
 use super::analysis::{Analysis, Groups};
 use super::files::File;
-use crate::ablation::AXES;
+use crate::analysis::ablation::AXES;
+use crate::analysis::group::GroupKey;
+use crate::analysis::missing;
 use crate::environment::EnvironmentInfo;
 use crate::error::ReportError;
-use crate::group::GroupKey;
+use crate::render::table::{self, Table};
 use crate::store::Store;
-use crate::table::{self, Table};
-use crate::{dictionary, methods, missing};
+use crate::{dictionary, methods};
 
 /// All tables to read; `None` where there is nothing to say.
 pub(super) struct Tables {

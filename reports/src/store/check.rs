@@ -6,9 +6,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::Run;
-use crate::layout;
-use crate::problem::{Fault, Problem};
-use crate::record::{Outcome, Record, RunKey, Timing};
+use crate::schema::{Outcome, Record, RunKey, Timing};
+use crate::store::layout;
+use crate::store::problem::{Fault, Problem};
 
 /// The usable evaluations among the `(line, evaluation)` pairs of the file `path`, by rising index and step.
 pub(super) fn records(

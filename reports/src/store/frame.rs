@@ -6,7 +6,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
 use super::Store;
 use crate::error::ReportError;
-use crate::record::Record;
+use crate::schema::Record;
 
 impl Store {
     /// One row per evaluation, ordered by run and step. Columns: the fields of [`Record`] in their order, then

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use crate::problem::{Fault, Problem};
+use crate::store::problem::{Fault, Problem};
 
 /// Parses `bytes`, the content of the file `path` (as named in problems), into `(line, value)` pairs with lines
 /// counted from 1. Values that are no `T` (an `expected`, in words) become problems.

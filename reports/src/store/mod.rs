@@ -5,7 +5,9 @@
 
 mod check;
 mod frame;
+pub mod layout;
 mod lines;
+pub mod problem;
 mod scan;
 mod teaching;
 
@@ -16,8 +18,8 @@ use rayon::prelude::*;
 pub use teaching::teaching;
 
 use crate::error::ReportError;
-use crate::problem::Problem;
-use crate::record::{Manifest, Outcome, Record, RunKey, Timing};
+use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
+use crate::store::problem::Problem;
 
 /// One run, as far as it got.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,9 +8,9 @@ use serde::de::DeserializeOwned;
 
 use super::{Run, check, lines};
 use crate::error::ReportError;
-use crate::layout;
-use crate::problem::{Fault, Problem};
-use crate::record::{Crash, Manifest, Outcome, Record, SCHEMA, Timing};
+use crate::schema::{Crash, Manifest, Outcome, Record, SCHEMA, Timing};
+use crate::store::layout;
+use crate::store::problem::{Fault, Problem};
 
 /// Folders between `runs/` and the files of a run: environment, curriculum, variant, seed.
 const DEPTH: usize = 4;

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Run, scan};
-use crate::layout;
-use crate::problem::{Fault, Problem};
-use crate::record::Teaching;
+use crate::schema::Teaching;
+use crate::store::layout;
+use crate::store::problem::{Fault, Problem};
 
 /// What the teacher of a run did, by rising evaluation, and what is wrong with the file. Results of old versions have
 /// no such file: nothing, and no problem.

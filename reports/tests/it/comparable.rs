@@ -4,13 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use super::support::{key, write_configured, write_run};
-use reports::comparison::{self, Family};
-use reports::complete::{self, Pair};
-use reports::group::{self, GroupKey};
-use reports::layout;
+use reports::analysis::comparison::{self, Family};
+use reports::analysis::complete::{self, Pair};
+use reports::analysis::group::{self, GroupKey};
 use reports::report::{self, Options};
 use reports::stats::{self, Resampling};
 use reports::store::Store;
+use reports::store::layout;
 use serde_json::json;
 use tempfile::TempDir;
 

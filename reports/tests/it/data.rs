@@ -3,8 +3,8 @@
 use super::support::{key, write_run};
 use polars::prelude::{CsvReader, DataFrame, ParquetReader, SerReader};
 use reports::dictionary;
-use reports::layout;
 use reports::report::{self, Options};
+use reports::store::layout;
 use tempfile::TempDir;
 
 fn names(frame: &DataFrame) -> Vec<&str> {

@@ -1,8 +1,8 @@
 //! Sample-efficiency curves, by hand.
 
 use super::support::{key, write_run};
-use reports::efficiency;
-use reports::group;
+use reports::analysis::efficiency;
+use reports::analysis::group;
 use reports::stats::Resampling;
 use reports::store::Store;
 use tempfile::TempDir;

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use super::readings::{claim, names, readings, write};
-use reports::layout;
-use reports::readings::{Family, Readings};
+use reports::analysis::readings::{Family, Readings};
 use reports::report::{self, Options};
+use reports::store::layout;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -1,14 +1,14 @@
 //! Figures of every shape of results: each label lies inside the page and on top of no other label.
 
-use reports::aggregate::Shared;
-use reports::curves::{Curve, Point, Progress};
-use reports::efficiency::Efficiency;
+use reports::analysis::aggregate::Shared;
+use reports::analysis::curves::{Curve, Point, Progress};
+use reports::analysis::efficiency::Efficiency;
+use reports::analysis::finals::Finals;
+use reports::analysis::group::GroupKey;
+use reports::analysis::heat::{HeatMap, Phase};
+use reports::analysis::improvement;
 use reports::environment::MazeInfo;
-use reports::figure;
-use reports::finals::Finals;
-use reports::group::GroupKey;
-use reports::heat::{HeatMap, Phase};
-use reports::improvement;
+use reports::render::figure;
 use reports::stats::Resampling;
 use resvg::usvg::{self, Node, Rect};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Command;
 
 use super::support::{every_kind, program};
-use reports::layout;
+use reports::store::layout;
 
 #[test]
 fn every_table_compiles() {

@@ -4,14 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use super::support::{key, line, write_configured, write_run};
-use reports::ablation::{self, AXES};
-use reports::group;
-use reports::layout;
-use reports::ledger::{self, Entry, Verdict};
-use reports::record::Record;
+use reports::analysis::ablation::{self, AXES};
+use reports::analysis::group;
+use reports::analysis::ledger::{self, Entry, Verdict};
 use reports::report::{self, Options};
+use reports::schema::Record;
 use reports::stats::Resampling;
 use reports::store::Store;
+use reports::store::layout;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Command;
 
 use super::support::{HOSTILE, every_kind, program};
-use reports::layout;
+use reports::store::layout;
 use tempfile::TempDir;
 
 /// The page of a report with every kind of figure, and the folder of its results.

@@ -4,13 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use super::support::{key, write_configured};
-use reports::group;
-use reports::layout;
-use reports::ledger::{Entry, Verdict};
-use reports::readings::{Claim, Family, Readings};
+use reports::analysis::group;
+use reports::analysis::ledger::{Entry, Verdict};
+use reports::analysis::readings::{Claim, Family, Readings};
 use reports::report::{self, Options};
 use reports::stats::Resampling;
 use reports::store::Store;
+use reports::store::layout;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -115,7 +115,7 @@ fn readings_are_judged_as_the_ledger_judges() {
     let store = Store::read(results.path()).unwrap();
     let groups = group::groups(&store);
     let resampling = Resampling { resamples: 2_000, ..Resampling::default() };
-    let ledger: Vec<Entry> = reports::ledger::ledger(&groups, 1, resampling);
+    let ledger: Vec<Entry> = reports::analysis::ledger::ledger(&groups, 1, resampling);
     let found = family(results.path());
     for id in ["final-her-iid", "area-her-iid"] {
         // Four baselines there and four readings here: the same level.

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::support::{key, write_run};
 use reports::ReportError;
-use reports::layout;
 use reports::report::{self, Options};
+use reports::store::layout;
 use reports::synthetic::Experiment;
 use tempfile::TempDir;
 

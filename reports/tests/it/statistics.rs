@@ -138,7 +138,7 @@ fn effect_sizes_and_median_steps_agree() {
     }
     for case in expected["median_steps"].as_array().unwrap() {
         let times: Vec<Option<u64>> = case["times"].as_array().unwrap().iter().map(Value::as_u64).collect();
-        assert_eq!(reports::summary::median_steps(&times), case["median"].as_u64(), "{times:?}");
+        assert_eq!(reports::analysis::summary::median_steps(&times), case["median"].as_u64(), "{times:?}");
     }
 }
 

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::support::{key, line, record, write_run};
 use reports::ReportError;
-use reports::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
-use reports::record::{Crash, Outcome};
 use reports::report::{self, Options};
+use reports::schema::{Crash, Outcome};
 use reports::store::Store;
+use reports::store::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
 use tempfile::TempDir;
 
 /// A results folder with the four evaluations of one run, after `damage` was done to the folder of the run.

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::environment::{EnvironmentInfo, MazeInfo};
-use reports::layout;
-use reports::record::{Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
 use reports::report::{self, Options};
+use reports::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
+use reports::store::layout;
 use reports::synthetic::Experiment;
 use serde::Serialize;
 use serde_json::{Map, Value, json};

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use super::support::{key, line, write_run};
 use reports::environment::MazeInfo;
-use reports::layout;
-use reports::record::Teaching;
 use reports::report::{self, Options};
+use reports::schema::Teaching;
+use reports::store::layout;
 use reports::store::{self, Store};
 use reports::synthetic::Experiment;
 use tempfile::TempDir;

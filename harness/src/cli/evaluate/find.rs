@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use reports::layout;
-use reports::record::RunKey;
+use reports::schema::RunKey;
+use reports::store::layout;
 
 use crate::Registry;
 use crate::error::HarnessError;

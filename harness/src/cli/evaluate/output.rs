@@ -1,6 +1,6 @@
 //! What `goalbench evaluate` prints.
 
-use reports::record::RunKey;
+use reports::schema::RunKey;
 use reports::stats::{Ddof, mean, std_dev, wilson_interval};
 use serde::Serialize;
 

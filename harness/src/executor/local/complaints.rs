@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::{ChildStderr, ExitStatus};
 use std::thread::JoinHandle;
 
-use reports::layout;
-use reports::record::RunKey;
+use reports::schema::RunKey;
+use reports::store::layout;
 use rustix::process::Signal;
 
 /// Bytes that are kept of one worker.

@@ -5,8 +5,8 @@ use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 
-use reports::layout;
-use reports::record::Crash;
+use reports::schema::Crash;
+use reports::store::layout;
 
 use super::Conduct;
 use super::complaints::{self, Listener, describe};

@@ -1,8 +1,8 @@
 //! Curves of the baseline and now, a panel per cell.
 
-use reports::curves::{Curve, DDOF, Point, Progress};
-use reports::figure::{LearningPanel, learning};
-use reports::group::GroupKey;
+use reports::analysis::curves::{Curve, DDOF, Point, Progress};
+use reports::analysis::group::GroupKey;
+use reports::render::figure::{LearningPanel, learning};
 use reports::{methods, stats};
 
 use super::Check;

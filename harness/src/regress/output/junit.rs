@@ -1,6 +1,6 @@
 //! A comparison in JUnit's XML: a test case per test and per run that broke down.
 
-use reports::table::html_escape;
+use reports::render::table::html_escape;
 
 use super::{Check, change, score};
 use crate::regress::compare::Test;

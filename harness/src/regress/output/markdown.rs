@@ -1,6 +1,6 @@
 //! A comparison as the summary of a CI step.
 
-use reports::table::{Align, Table};
+use reports::render::table::{Align, Table};
 
 use super::{Check, change, interval, score};
 use crate::regress::compare::Test;

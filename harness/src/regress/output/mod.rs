@@ -116,8 +116,8 @@ pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, HarnessEr
         (JSON, format!("{:#}\n", json(check)).into_bytes()),
         (JUNIT, junit(check).into_bytes()),
         (SUMMARY, markdown(check).into_bytes()),
-        (PNG, reports::figure::png("regression", &svg)?),
-        (SVG, reports::figure::outlined("regression", &svg)?.into_bytes()),
+        (PNG, reports::render::figure::png("regression", &svg)?),
+        (SVG, reports::render::figure::outlined("regression", &svg)?.into_bytes()),
     ];
     let write = |(name, bytes): (&str, Vec<u8>)| {
         let path = folder.join(name);

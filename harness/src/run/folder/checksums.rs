@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use reports::layout;
-use reports::record::Manifest;
+use reports::schema::Manifest;
+use reports::store::layout;
 use serde::{Deserialize, Serialize};
 
 use super::{read_json, write_json};

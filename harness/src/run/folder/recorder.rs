@@ -5,8 +5,8 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use reports::layout;
-use reports::record::{Outcome, Record, Teaching, Timing};
+use reports::schema::{Outcome, Record, Teaching, Timing};
+use reports::store::layout;
 use serde::{Deserialize, Serialize};
 
 use super::{checksums, write_json};

@@ -1,0 +1,86 @@
+//! What training took: steps, gradient steps and time, and whose time it was.
+
+use crate::analysis::group::Group;
+use crate::schema::Timing;
+use crate::stats;
+
+/// What the runs of a group took up to their last evaluation. Times are means over seeds, in hours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cost {
+    /// Fewest and most training steps at a seed's last evaluation.
+    pub steps: (u64, u64),
+    /// Mean over seeds of the student's gradient steps; those of a teacher's own networks are not counted.
+    pub gradient_steps: f64,
+    /// Wall-clock time; `None` without timings.
+    pub wall_hours: Option<f64>,
+    /// Evaluations' part of it.
+    pub evaluation_hours: Option<f64>,
+    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where a seed's timings do not
+    /// tell.
+    pub teacher_hours: Option<f64>,
+    /// The part of the student's gradient steps; `None` where a seed's timings do not tell.
+    pub learning_hours: Option<f64>,
+}
+
+impl Cost {
+    /// The costs of a group; `None` without evaluations.
+    pub fn of(group: &Group<'_>) -> Option<Self> {
+        let last: Vec<_> = group.runs.iter().filter_map(|run| run.records.last()).collect();
+        let steps = || last.iter().map(|record| record.step);
+        let gradient_steps: Vec<f64> = last.iter().map(|record| record.gradient_steps as f64).collect();
+        let timings: Vec<&Timing> = group.runs.iter().filter_map(|run| run.timings.last()).collect();
+        Some(Self {
+            steps: (steps().min()?, steps().max()?),
+            gradient_steps: stats::mean(&gradient_steps)?,
+            wall_hours: mean_hours(&timings, |timing| Some(timing.wall_s)),
+            evaluation_hours: mean_hours(&timings, |timing| Some(timing.evaluation_s)),
+            teacher_hours: mean_hours(&timings, |timing| timing.teacher_s),
+            learning_hours: mean_hours(&timings, |timing| timing.learning_s),
+        })
+    }
+
+    /// What share of the wall-clock time `hours` are, in [0, 1]; `None` for no time at all.
+    pub fn share(&self, hours: Option<f64>) -> Option<f64> {
+        let wall = self.wall_hours.filter(|&wall| wall > 0.0)?;
+        Some(hours? / wall)
+    }
+}
+
+/// Mean of some seconds, in hours; `None` without timings, or where one of them does not tell.
+fn mean_hours(timings: &[&Timing], seconds: impl Fn(&Timing) -> Option<f64>) -> Option<f64> {
+    let hours: Option<Vec<f64>> = timings.iter().map(|timing| Some(seconds(timing)? / 3600.0)).collect();
+    stats::mean(&hours?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hours_by_hand() {
+        let timing = |wall_s, teacher_s| Timing {
+            eval_index: 0,
+            step: 0,
+            wall_s,
+            evaluation_s: 0.0,
+            teacher_s,
+            learning_s: None,
+        };
+        let (a, b) = (timing(3600.0, Some(900.0)), timing(10_800.0, Some(2700.0)));
+        let old = timing(3600.0, None);
+        assert_eq!(mean_hours(&[&a, &b], |timing| Some(timing.wall_s)), Some(2.0));
+        assert_eq!(mean_hours(&[&a, &b], |timing| timing.teacher_s), Some(0.5));
+        assert_eq!(mean_hours(&[&a, &old], |timing| timing.teacher_s), None);
+        assert_eq!(mean_hours(&[], |timing| timing.teacher_s), None);
+        let cost = Cost {
+            steps: (0, 0),
+            gradient_steps: 0.0,
+            wall_hours: Some(2.0),
+            evaluation_hours: None,
+            teacher_hours: Some(0.5),
+            learning_hours: None,
+        };
+        assert_eq!((cost.share(cost.teacher_hours), cost.share(None)), (Some(0.25), None));
+        assert_eq!(Cost { wall_hours: Some(0.0), ..cost }.share(Some(0.0)), None);
+    }
+}

@@ -1,0 +1,49 @@
+//! The final scores of every group: what tables, aggregates and comparisons are made of.
+
+use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::scores;
+
+/// The final scores of one group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finals {
+    /// Which group.
+    pub key: GroupKey,
+    /// (seed, [`scores::final_score`]), by rising seed.
+    pub by_seed: Vec<(u64, f64)>,
+}
+
+impl Finals {
+    /// The final scores of a group's runs, averaged over their last `window` evaluations.
+    pub fn of(group: &Group<'_>, window: usize) -> Self {
+        let score =
+            |run: &&crate::store::Run| Some((run.key().seed, scores::final_score(&run.records, window)?));
+        Self { key: group.key.clone(), by_seed: group.runs.iter().filter_map(score).collect() }
+    }
+
+    /// The scores alone. Shape: one number in [0, 1] per seed.
+    pub fn scores(&self) -> Vec<f64> {
+        self.by_seed.iter().map(|(_, score)| *score).collect()
+    }
+
+    /// Scores (here, there) of the seeds that both have.
+    pub fn pairs(&self, other: &Self) -> Vec<(f64, f64)> {
+        let there =
+            |seed: u64| other.by_seed.iter().find(|(other, _)| *other == seed).map(|(_, score)| *score);
+        self.by_seed.iter().filter_map(|&(seed, score)| Some((score, there(seed)?))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_share_their_seed() {
+        let finals = |by_seed: &[(u64, f64)]| Finals {
+            key: GroupKey { environment: "E".into(), curriculum: "c".into(), variant: "v".into() },
+            by_seed: by_seed.to_vec(),
+        };
+        let (a, b) = (finals(&[(0, 0.1), (2, 0.3), (5, 0.6)]), finals(&[(1, 0.9), (2, 0.8), (5, 0.7)]));
+        assert_eq!(a.pairs(&b), [(0.3, 0.8), (0.6, 0.7)]);
+    }
+}

@@ -1,0 +1,142 @@
+//! Runs that differ only in their seed.
+
+use std::cmp::Ordering;
+
+use crate::methods;
+use crate::schema::{Record, RunKey};
+use crate::store::{Run, Store};
+
+/// What the runs of a group have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GroupKey {
+    /// Environment id.
+    pub environment: String,
+    /// Curriculum id.
+    pub curriculum: String,
+    /// Variant label.
+    pub variant: String,
+}
+
+impl GroupKey {
+    fn of(run: &RunKey) -> Self {
+        let RunKey { environment, curriculum, variant, seed: _ } = run.clone();
+        Self { environment, curriculum, variant }
+    }
+
+    /// What follows the curriculum's name where curves are told apart: the variant in brackets, or nothing for
+    /// `default`.
+    pub fn detail(&self) -> String {
+        if self.variant == "default" { String::new() } else { format!(" ({})", self.variant) }
+    }
+
+    /// Order of curves within one environment: by curriculum as in [`methods::METHODS`], then by variant
+    /// (`default` first, `n=3` before `n=10`).
+    pub fn cmp_method(&self, other: &Self) -> Ordering {
+        let is_special = |key: &Self| key.variant != "default";
+        methods::order(&self.curriculum, &other.curriculum)
+            .then_with(|| is_special(self).cmp(&is_special(other)))
+            .then_with(|| methods::natural_order(&self.variant, &other.variant))
+    }
+}
+
+/// Order of groups everywhere: by environment, then as [`GroupKey::cmp_method`].
+impl Ord for GroupKey {
+    fn cmp(&self, other: &Self) -> Ordering {
+        methods::natural_order(&self.environment, &other.environment).then_with(|| self.cmp_method(other))
+    }
+}
+
+impl PartialOrd for GroupKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// The runs of one environment, curriculum and variant: one per seed.
+#[derive(Clone, Debug)]
+pub struct Group<'a> {
+    /// What they have in common.
+    pub key: GroupKey,
+    /// Runs with at least one evaluation, by rising seed; empty only where
+    /// [`complete::comparable`](crate::analysis::complete::comparable) cut all of them.
+    pub runs: Vec<&'a Run>,
+}
+
+/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both have, which
+/// is at least one; success at any step counts where both tell it. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
+/// such groups.
+pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
+    let any = |record: &Record, other: &Record| {
+        record.any_success_rate.filter(|_| other.any_success_rate.is_some())
+    };
+    let same_evaluation = |(a, b): (&Record, &Record)| {
+        (a.step, a.success_rate, a.mean_return, a.gradient_steps, any(a, b))
+            == (b.step, b.success_rate, b.mean_return, b.gradient_steps, any(b, a))
+    };
+    let same_run = |(a, b): (&Run, &Run)| {
+        a.records.len() == b.records.len() && a.records.iter().zip(&b.records).all(same_evaluation)
+    };
+    let mut pairs = shared_seeds(a, b).peekable();
+    pairs.peek().is_some() && pairs.all(same_run)
+}
+
+/// The runs (of `a`, of `b`) of every seed that both have.
+pub fn shared_seeds<'a>(a: &Group<'a>, b: &Group<'a>) -> impl Iterator<Item = (&'a Run, &'a Run)> {
+    a.runs.iter().filter_map(|run| {
+        let other = b.runs.iter().find(|other| other.key().seed == run.key().seed)?;
+        Some((*run, *other))
+    })
+}
+
+/// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single curriculum
+/// has, in an environment where that curriculum has a `default` too, is an ablation of it and does not. Shape: one
+/// answer per key.
+pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
+    let has_default = |key: &GroupKey| {
+        let same = |other: &&&GroupKey| {
+            (&other.environment, &other.curriculum) == (&key.environment, &key.curriculum)
+        };
+        keys.iter().filter(same).any(|other| other.variant == "default")
+    };
+    let is_common = |key: &GroupKey| {
+        keys.iter().any(|other| other.variant == key.variant && other.curriculum != key.curriculum)
+    };
+    keys.iter().map(|key| key.variant == "default" || is_common(key) || !has_default(key)).collect()
+}
+
+/// All groups with at least one evaluation, in order.
+pub fn groups(store: &Store) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    // The store's runs come by key, so that those of one group follow each other, by seed.
+    for run in store.runs().iter().filter(|run| !run.records.is_empty()) {
+        let key = GroupKey::of(run.key());
+        match groups.last_mut() {
+            Some(group) if group.key == key => group.runs.push(run),
+            _ => groups.push(Group { key, runs: vec![run] }),
+        }
+    }
+    groups.sort_by(|a, b| a.key.cmp(&b.key));
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ablations_are_not_compared() {
+        let key = |environment: &str, curriculum: &str, variant: &str| GroupKey {
+            environment: environment.into(),
+            curriculum: curriculum.into(),
+            variant: variant.into(),
+        };
+        let keys = [
+            key("A", "teach", "default"),
+            key("A", "teach", "n=3"),
+            key("A", "teach", "wide"),
+            key("A", "vds", "wide"),
+            key("B", "teach", "n=3"),
+        ];
+        assert_eq!(compared(&keys.iter().collect::<Vec<_>>()), [true, false, true, true, true]);
+    }
+}

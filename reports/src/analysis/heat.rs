@@ -1,0 +1,112 @@
+//! Where a teacher sent its student in a maze, and where the student succeeded, over time.
+
+use crate::analysis::group::GroupKey;
+use crate::environment::MazeInfo;
+use crate::schema::Teaching;
+
+/// Thirds of training.
+pub const PHASES: [&str; 3] = ["early", "middle", "late"];
+
+/// Fewest episodes in a cell whose success rate is shown.
+pub const FEWEST_EPISODES: u32 = 5;
+
+/// Training episodes of one third of training, by cell of their goal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Phase {
+    /// Episodes with a goal in each cell. Shape: `[side * side]`, row by row.
+    pub episodes: Vec<u32>,
+    /// Those of them that ended in success. Shape: `[side * side]`.
+    pub successes: Vec<u32>,
+}
+
+/// The heat maps of one group of runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HeatMap {
+    /// Which group.
+    pub key: GroupKey,
+    /// One per entry of [`PHASES`].
+    pub phases: [Phase; 3],
+}
+
+impl HeatMap {
+    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds of.
+    /// `None` if no goal is a position in the plane.
+    pub fn of<'a>(
+        key: &GroupKey,
+        maze: &MazeInfo,
+        end: u64,
+        lines: impl IntoIterator<Item = &'a Teaching>,
+    ) -> Option<Self> {
+        let cells = maze.side() * maze.side();
+        let empty = || Phase { episodes: vec![0; cells], successes: vec![0; cells] };
+        let mut phases = [empty(), empty(), empty()];
+        let mut any = false;
+        for line in lines {
+            let phase = &mut phases[phase(line.step, end)];
+            for (goal, &success) in line.goals.iter().zip(&line.successes) {
+                let &[x, y] = goal.as_slice() else { continue };
+                let (row, column) = maze.cell_of([x, y]);
+                phase.episodes[row * maze.side() + column] += 1;
+                phase.successes[row * maze.side() + column] += u32::from(success);
+                any = true;
+            }
+        }
+        any.then(|| Self { key: key.clone(), phases })
+    }
+}
+
+impl Phase {
+    /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side * side]`.
+    pub fn shares(&self) -> Vec<f64> {
+        let total: u32 = self.episodes.iter().sum();
+        self.episodes.iter().map(|&count| f64::from(count) / f64::from(total.max(1))).collect()
+    }
+
+    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few would look as
+    /// certain as any other. Shape: `[side * side]`.
+    pub fn rates(&self) -> Vec<Option<f64>> {
+        let rate = |(&successes, &episodes): (&u32, &u32)| {
+            (episodes >= FEWEST_EPISODES).then(|| f64::from(successes) / f64::from(episodes))
+        };
+        self.successes.iter().zip(&self.episodes).map(rate).collect()
+    }
+}
+
+/// The third of `end` steps that the episodes before `step` belong to.
+fn phase(step: u64, end: u64) -> usize {
+    let third = u128::from(step.saturating_sub(1)) * 3 / u128::from(end.max(1));
+    third.min(2) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thirds_by_hand() {
+        assert_eq!([0, 1, 30, 31, 60, 61, 90, 95].map(|step| phase(step, 90)), [0, 0, 0, 1, 1, 2, 2, 2]);
+    }
+
+    #[test]
+    fn heat_by_hand() {
+        let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
+        let key = GroupKey { environment: "M".into(), curriculum: "teach".into(), variant: "default".into() };
+        let line = Teaching {
+            eval_index: 1,
+            step: 150,
+            goals: [[-0.5, -0.5], [-0.5, 0.5], [-0.1, 0.1]].map(Vec::from).to_vec(),
+            successes: vec![true, true, false],
+            ..Teaching::default()
+        };
+        let heat = HeatMap::of(&key, &maze, 450, [&line]).unwrap();
+        assert_eq!(heat.phases[0].shares(), [1.0 / 3.0, 2.0 / 3.0, 0.0, 0.0]);
+        assert_eq!(
+            (&heat.phases[0].episodes, &heat.phases[0].successes),
+            (&vec![1, 2, 0, 0], &vec![1, 1, 0, 0])
+        );
+        let phase = Phase { episodes: vec![4, 5, 0, 10], successes: vec![4, 5, 0, 3] };
+        assert_eq!(phase.rates(), [None, Some(1.0), None, Some(0.3)]);
+        assert_eq!(heat.phases[2].shares(), [0.0; 4]);
+        assert_eq!(HeatMap::of(&key, &maze, 450, []), None);
+    }
+}

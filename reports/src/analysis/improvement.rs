@@ -1,0 +1,99 @@
+//! Probability that the first method of a report scores above each other one, over the environments that both have.
+
+use crate::analysis::aggregate::finals_of;
+use crate::analysis::finals::Finals;
+use crate::analysis::group::GroupKey;
+use crate::stats::{self, Resampling};
+
+/// The probability of improvement of one method on another (Agarwal et al. 2021, section 4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Improvement<'a> {
+    /// The method that may be better; the key's environment means nothing.
+    pub method: &'a GroupKey,
+    /// The one it is compared with.
+    pub other: &'a GroupKey,
+    /// Environments that both have.
+    pub environments: usize,
+    /// P(method > other) on the same environment, ties counting one half, averaged over environments.
+    pub probability: f64,
+    /// Bootstrap interval, stratified by method and environment; `None` where one has a single seed.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The first method against each other one that shares an environment with it, in order; `finals` come sorted by key,
+/// those without scores count as absent.
+pub fn improvements<'a>(finals: &[&'a Finals], resampling: Resampling) -> Vec<Improvement<'a>> {
+    let finals: Vec<&'a Finals> =
+        finals.iter().filter(|finals| !finals.by_seed.is_empty()).copied().collect();
+    let mut methods: Vec<&'a GroupKey> = finals.iter().map(|finals| &finals.key).collect();
+    methods.sort_by(|a, b| a.cmp_method(b));
+    methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
+    let Some((&method, others)) = methods.split_first() else { return Vec::new() };
+    others.iter().filter_map(|other| improvement(&finals, method, other, resampling)).collect()
+}
+
+/// `method` against `other`; `None` if they share no environment.
+fn improvement<'a>(
+    finals: &[&'a Finals],
+    method: &'a GroupKey,
+    other: &'a GroupKey,
+    resampling: Resampling,
+) -> Option<Improvement<'a>> {
+    let (ours, theirs): (Vec<_>, Vec<_>) = finals
+        .iter()
+        .filter(|finals| finals.key.cmp_method(method).is_eq())
+        .filter_map(|ours| Some((ours.scores(), finals_of(finals, &ours.key.environment, other)?.scores())))
+        .unzip();
+    let environments = ours.len();
+    let strata: Vec<&[f64]> = ours.iter().chain(&theirs).map(Vec::as_slice).collect();
+    let probability = |strata: &[&[f64]]| {
+        let (a, b) = strata.split_at(environments);
+        stats::probability_of_improvement(a, b)
+    };
+    let of_resample = |strata: &[Vec<f64>]| {
+        let slices: Vec<&[f64]> = strata.iter().map(Vec::as_slice).collect();
+        probability(&slices)
+    };
+    Some(Improvement {
+        method,
+        other,
+        environments,
+        probability: probability(&strata)?,
+        interval: stats::stratified_interval(&strata, of_resample, resampling),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn improvement_by_hand() {
+        let finals = |environment: &str, curriculum: &str, scores: &[f64]| Finals {
+            key: GroupKey {
+                environment: environment.into(),
+                curriculum: curriculum.into(),
+                variant: "default".into(),
+            },
+            by_seed: (0..).zip(scores.iter().copied()).collect(),
+        };
+        // A: of four pairs three wins and a tie; B: one win of four.
+        let all = [
+            finals("A", "teach", &[0.5, 0.9]),
+            finals("A", "vds", &[0.1, 0.5]),
+            finals("B", "teach", &[0.2, 0.4]),
+            finals("B", "vds", &[0.3, 0.6]),
+            // What one of the two lacks does not count.
+            finals("C", "teach", &[1.0, 1.0]),
+            finals("D", "vds", &[]),
+        ];
+        let found = improvements(
+            &all.iter().collect::<Vec<_>>(),
+            Resampling { resamples: 200, ..Resampling::default() },
+        );
+        assert_eq!((found.len(), found[0].environments), (1, 2));
+        assert!((found[0].probability - (3.5 / 4.0 + 1.0 / 4.0) / 2.0).abs() < 1e-12);
+        let (low, high) = found[0].interval.unwrap();
+        assert!(low < found[0].probability && found[0].probability < high);
+    }
+}

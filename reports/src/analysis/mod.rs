@@ -1,0 +1,19 @@
+//! From runs to numbers: groups of runs, their curves and scores, comparisons, and verdicts on a paper's claims.
+
+pub mod ablation;
+pub mod aggregate;
+pub mod comparison;
+pub mod complete;
+pub mod cost;
+pub mod curves;
+pub mod efficiency;
+pub mod finals;
+pub mod group;
+pub mod heat;
+pub mod improvement;
+pub mod ledger;
+pub mod missing;
+pub mod readings;
+pub mod scores;
+pub mod summary;
+pub mod teaching;

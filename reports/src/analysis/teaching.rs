@@ -1,0 +1,78 @@
+//! What teachers picked: the numbers of their records that say how they choose, per environment, curriculum and variant.
+
+use crate::analysis::group::{Group, GroupKey};
+use crate::schema::Record;
+use crate::stats;
+
+/// The number of distinct goals of the pool that were picked.
+pub const PICKED_GOALS: &str = "picked_goals";
+
+/// Numbers that teachers record by these names, in the order of [`Row::means`].
+pub static NUMBERS: [&str; 5] =
+    [PICKED_GOALS, "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
+
+/// What the table says about one group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Which group.
+    pub key: GroupKey,
+    /// Seeds with at least one evaluation.
+    pub n_seeds: usize,
+    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; `None` where none has.
+    pub means: [Option<f64>; 5],
+}
+
+impl Row {
+    /// The row of a group.
+    pub fn of(group: &Group<'_>) -> Self {
+        let mean = |name: &str| {
+            let by_seed: Vec<f64> =
+                group.runs.iter().filter_map(|run| mean_over_training(&run.records, name)).collect();
+            stats::mean(&by_seed)
+        };
+        Self { key: group.key.clone(), n_seeds: group.runs.len(), means: NUMBERS.map(mean) }
+    }
+
+    /// Whether there is anything to say.
+    pub fn tells(&self) -> bool {
+        self.means.iter().any(Option::is_some)
+    }
+}
+
+/// The mean of the teacher's number `name` over the evaluations after evaluation 0, before which there was no training,
+/// as far as it is defined; `None` if it never is.
+pub fn mean_over_training(records: &[Record], name: &str) -> Option<f64> {
+    let trained = records.iter().filter(|record| record.eval_index > 0);
+    let numbers: Vec<f64> = trained.filter_map(|record| record.teacher.get(name)?.as_f64()).collect();
+    stats::mean(&numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Map, Value, json};
+
+    #[test]
+    fn means_by_hand() {
+        let record = |(eval_index, value): (u64, Value)| Record {
+            environment: "E".into(),
+            curriculum: "teach".into(),
+            variant: "default".into(),
+            seed: 0,
+            step: 1_000 * eval_index,
+            eval_index,
+            episodes: 20,
+            success_rate: 0.5,
+            any_success_rate: None,
+            mean_return: -1.0,
+            gradient_steps: 0,
+            teacher: Map::from_iter([("picked_goals".to_owned(), value)]),
+        };
+        let values = [json!(900), json!(10), json!(null), json!(14.5), json!(11.5)];
+        let records: Vec<Record> = (0..).zip(values).map(record).collect();
+        // Without the untrained student's, and without the one that is not defined: (10 + 14.5 + 11.5) / 3.
+        assert_eq!(mean_over_training(&records, "picked_goals"), Some(12.0));
+        assert_eq!(mean_over_training(&records, "effective_picks"), None);
+        assert_eq!(mean_over_training(&records[..1], "picked_goals"), None);
+    }
+}

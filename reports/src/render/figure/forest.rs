@@ -1,0 +1,184 @@
+//! Points with their intervals, a row per method: aggregates and probabilities of improvement.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::canvas::{self, FRAME, GRID, MARGIN, PAGE_WIDTH};
+use super::palette::Palette;
+use super::shapes::{self, Area, DrawResult};
+use super::{page, text, ticks};
+use crate::analysis::aggregate::Aggregate;
+use crate::analysis::group::GroupKey;
+use crate::analysis::improvement::Improvement;
+use crate::error::ReportError;
+use looks::Look;
+
+use crate::methods;
+use crate::stats::Resampling;
+
+/// Text sizes in points.
+const TITLE: f64 = 9.0;
+const LABEL: f64 = 8.0;
+const TICK: f64 = 7.0;
+/// Lengths in pixels.
+const ROW_HEIGHT: i32 = 58;
+const TITLE_HEIGHT: i32 = 60;
+const TICKS_HEIGHT: i32 = 48;
+const NAME_HEIGHT: i32 = 48;
+const WIDEST_LABEL: i32 = 700;
+const GAP: i32 = 48;
+/// Between plots: half a tick label sticks out on both sides.
+const COLUMN_GAP: i32 = 96;
+/// Height of the strokes at the ends of an interval.
+const CAP: i32 = 10;
+
+/// A value in [0, 1] and its interval.
+type Estimate = (f64, Option<(f64, f64)>);
+
+/// One plot over all rows.
+struct Column {
+    title: &'static str,
+    x_name: &'static str,
+    /// A value to compare with: a line from top to bottom.
+    reference: Option<f64>,
+    estimates: Vec<Estimate>,
+}
+
+/// Rows of estimates.
+struct Forest {
+    rows: Vec<(String, Look)>,
+    columns: Vec<Column>,
+    caption: String,
+}
+
+/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which settle
+/// the looks.
+///
+/// # Errors
+/// [`ReportError::Figure`] if drawing fails.
+pub fn aggregates<'a>(
+    rows: &[Aggregate<'_>],
+    resampling: Resampling,
+    keys: impl IntoIterator<Item = &'a GroupKey>,
+) -> Result<String, ReportError> {
+    let palette = Palette::new(keys);
+    let column = |title, x_name, estimate: fn(&Aggregate<'_>) -> Estimate| Column {
+        title,
+        x_name,
+        reference: None,
+        estimates: rows.iter().map(estimate).collect(),
+    };
+    Forest {
+        rows: rows.iter().map(|row| (name(row.method), palette.look(row.method))).collect(),
+        columns: vec![
+            column("Interquartile mean", "Final success rate, more is better", |row| (row.iqm, row.iqm_ci)),
+            column("Optimality gap", "Shortfall from 1, less is better", |row| {
+                (row.optimality_gap, row.optimality_gap_ci)
+            }),
+        ],
+        caption: caption(resampling),
+    }
+    .draw()
+}
+
+/// Probabilities that the first method improves on each other one, as SVG. `keys` as for [`aggregates`].
+///
+/// # Errors
+/// [`ReportError::Figure`] if drawing fails.
+pub fn improvements<'a>(
+    rows: &[Improvement<'_>],
+    resampling: Resampling,
+    keys: impl IntoIterator<Item = &'a GroupKey>,
+) -> Result<String, ReportError> {
+    let palette = Palette::new(keys);
+    let label = |row: &Improvement<'_>| {
+        format!("{} over {} [{}]", name(row.method), name(row.other), row.environments)
+    };
+    Forest {
+        rows: rows.iter().map(|row| (label(row), palette.look(row.other))).collect(),
+        columns: vec![Column {
+            title: "Probability of improvement",
+            x_name: "P(a run scores above one of the other method)",
+            reference: Some(0.5),
+            estimates: rows.iter().map(|row| (row.probability, row.interval)).collect(),
+        }],
+        caption: format!("in brackets: environments that both methods have; {}", caption(resampling)),
+    }
+    .draw()
+}
+
+fn name(key: &GroupKey) -> String {
+    format!("{}{}", methods::title(&key.curriculum), key.detail())
+}
+
+fn caption(resampling: Resampling) -> String {
+    format!(
+        "lines: {} % stratified bootstrap intervals over seeds; none where an environment has a single seed",
+        resampling.confidence * 100.0
+    )
+}
+
+impl Forest {
+    fn draw(&self) -> Result<String, ReportError> {
+        text::register()?;
+        let style = text::style(LABEL).pos(Pos::new(HPos::Right, VPos::Center));
+        let mut labels = Vec::with_capacity(self.rows.len());
+        let mut widest = 0;
+        for (label, _) in &self.rows {
+            let label = text::shorten(label, &style, WIDEST_LABEL)?;
+            widest = widest.max(text::width(&label, &style)?);
+            labels.push(label);
+        }
+        let left = MARGIN + widest + GAP;
+        let count = self.columns.len() as i32;
+        let width = (PAGE_WIDTH - MARGIN - left - (count - 1) * COLUMN_GAP) / count - GAP / 2;
+        let top = MARGIN + TITLE_HEIGHT;
+        let height = self.rows.len() as i32 * ROW_HEIGHT;
+        let caption = page::caption_lines(&self.caption, PAGE_WIDTH)?;
+        let caption_top = top + height + TICKS_HEIGHT + NAME_HEIGHT + MARGIN;
+        canvas::svg((PAGE_WIDTH, caption_top + page::caption_height(&caption)), |root| {
+            for (index, label) in (0..).zip(&labels) {
+                let at = (left - GAP / 2, top + index * ROW_HEIGHT + ROW_HEIGHT / 2);
+                root.draw_text(label, &style, at).map_err(canvas::failed("labels"))?;
+            }
+            for (index, column) in (0..).zip(&self.columns) {
+                let at = (left + index * (width + COLUMN_GAP), top);
+                self.draw_column(root, column, at, (width, height)).map_err(canvas::failed(column.title))?;
+            }
+            page::draw_caption(root, &caption, (PAGE_WIDTH / 2, caption_top))
+        })
+    }
+
+    fn draw_column(&self, root: &Area<'_>, column: &Column, at: (i32, i32), size: (i32, i32)) -> DrawResult {
+        let ((left, top), (width, height)) = (at, size);
+        let bottom = top + height;
+        let x = |share: f64| left + (share.clamp(0.0, 1.0) * f64::from(width)).round() as i32;
+        let above = Pos::new(HPos::Center, VPos::Bottom);
+        let below = Pos::new(HPos::Center, VPos::Top);
+        let centre = left + width / 2;
+        root.draw_text(column.title, &text::style(TITLE).pos(above), (centre, top - 12))?;
+        for tick in ticks::shares() {
+            canvas::segment(root, (x(tick), top), (x(tick), bottom), GRID.stroke_width(2))?;
+            let label = ticks::share_label(tick);
+            root.draw_text(&label, &text::style(TICK).pos(below), (x(tick), bottom + 10))?;
+        }
+        let name_style = text::style(LABEL).pos(below);
+        root.draw_text(column.x_name, &name_style, (centre, bottom + TICKS_HEIGHT))?;
+        if let Some(reference) = column.reference {
+            canvas::segment(root, (x(reference), top), (x(reference), bottom), FRAME.stroke_width(3))?;
+        }
+        canvas::segment(root, (left, bottom), (left + width, bottom), FRAME.stroke_width(3))?;
+        for (index, ((value, interval), (_, look))) in (0..).zip(column.estimates.iter().zip(&self.rows)) {
+            let y = top + index * ROW_HEIGHT + ROW_HEIGHT / 2;
+            if let Some((low, high)) = *interval {
+                let solid = Look { dash: looks::Dash::Solid, ..*look };
+                shapes::line(root, &[(x(low), y), (x(high), y)], solid)?;
+                for end in [x(low), x(high)] {
+                    shapes::line(root, &[(end, y - CAP), (end, y + CAP)], solid)?;
+                }
+            }
+            shapes::marker(root, (x(*value), y), *look)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,66 @@
+//! Performance profiles: the share of runs that reach more than each success rate.
+
+use super::legend::Label;
+use super::page::Page;
+use super::palette::Palette;
+use super::panel::{Content, Mark, Series, XAxis};
+use super::ticks;
+use crate::analysis::aggregate::Profile;
+use crate::analysis::group::GroupKey;
+use crate::error::ReportError;
+use crate::methods;
+use crate::stats::Resampling;
+
+/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the whole
+/// report, which settle the looks; `resampling` is how the profiles' intervals were made.
+///
+/// # Errors
+/// [`ReportError::Figure`] if drawing fails.
+pub fn profiles<'a>(
+    profiles: &[Profile<'_>],
+    environments: usize,
+    resampling: Resampling,
+    keys: impl IntoIterator<Item = &'a GroupKey>,
+) -> Result<String, ReportError> {
+    let palette = Palette::new(keys);
+    let series = |profile: &Profile<'_>| {
+        let bands: Vec<Option<(f64, f64)>> = match &profile.intervals {
+            Some(intervals) => intervals.iter().copied().map(Some).collect(),
+            None => vec![None; profile.shares.len()],
+        };
+        let marks = profile.thresholds.iter().zip(&profile.shares).zip(bands);
+        Series {
+            marks: marks.map(|((&x, &y), band)| Mark { x, y, band }).collect(),
+            look: palette.look(profile.method),
+        }
+    };
+    let label = |profile: &Profile<'_>| Label {
+        title: methods::title(&profile.method.curriculum).to_owned(),
+        detail: profile.method.detail(),
+    };
+    let x =
+        XAxis { name: "Final success rate τ", end: 1.0, ticks: ticks::shares(), label: ticks::share_label };
+    Page {
+        panels: vec![Content {
+            title: format!("Performance profiles, {environments} environments"),
+            x,
+            y_name: "Share of runs above τ",
+            series: profiles.iter().map(series).collect(),
+        }],
+        legend: profiles.iter().map(|profile| (label(profile), palette.look(profile.method))).collect(),
+        caption: caption(profiles, resampling),
+    }
+    .draw()
+}
+
+fn caption(profiles: &[Profile<'_>], resampling: Resampling) -> String {
+    let bands = format!(
+        "bands: pointwise {} % stratified bootstrap intervals over seeds",
+        resampling.confidence * 100.0
+    );
+    match profiles.iter().filter(|profile| profile.intervals.is_none()).count() {
+        0 => bands,
+        all if all == profiles.len() => "no bands: single seeds in some environment".to_owned(),
+        _ => format!("{bands}; none for methods with a single seed in some environment"),
+    }
+}
