@@ -1,5 +1,6 @@
 //! The table of all teachers.
 
+use looks::Look;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::Table;
@@ -26,9 +27,10 @@ pub trait Method {
     /// Short name on the command line, in configs and in run folders: lower case with hyphens. In this workspace it is the
     /// name of the method's file with hyphens for underscores.
     const ID: &'static str;
-    /// Name in `goalbench list`. Figures and tables take theirs, with colour and order, from `reports::methods`, and show
-    /// a method that has no row there by its id.
+    /// Name in lists, figures and tables.
     const TITLE: &'static str;
+    /// How its curves are drawn: unlike any other's. A method without a look of its own gets a free one in each report.
+    const LOOK: Option<Look> = None;
     /// The paper, in one line.
     const SOURCE: &'static str;
     /// Whether it chooses from the pool. Such a method is never built on an empty pool.
@@ -56,6 +58,8 @@ pub struct Entry {
     pub id: &'static str,
     /// [`Method::TITLE`].
     pub title: &'static str,
+    /// [`Method::LOOK`].
+    pub look: Option<Look>,
     /// [`Method::SOURCE`].
     pub source: &'static str,
     /// [`Method::USES_POOL`].
@@ -77,6 +81,7 @@ impl Entry {
         Self {
             id: M::ID,
             title: M::TITLE,
+            look: M::LOOK,
             source: M::SOURCE,
             uses_pool: M::USES_POOL,
             defaults: || table(&M::Config::default()),

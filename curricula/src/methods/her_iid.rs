@@ -7,6 +7,8 @@
 //!   than the one at hand.
 //! - TEACH reproduces HER-IID by "official code" without naming it. Here the student is the same for all methods.
 
+use looks::colours::BLACK;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting};
@@ -25,6 +27,7 @@ impl Method for HerIid {
     type Config = HerIidConfig;
     const ID: &'static str = "her-iid";
     const TITLE: &'static str = "HER-IID";
+    const LOOK: Option<Look> = Some(Look::new(BLACK, Dash::Dotted, Marker::Cross));
     const SOURCE: &'static str = "Andrychowicz et al., Hindsight Experience Replay, NeurIPS 2017";
     const USES_POOL: bool = false;
 

@@ -9,6 +9,8 @@
 //!   tasks ask for no place, but the student sees it in the goal; in the others it differs by the spread of the
 //!   starts.
 
+use looks::colours::GREY;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
@@ -30,6 +32,7 @@ impl Method for HerIidPool {
     type Config = HerIidPoolConfig;
     const ID: &'static str = "her-iid-pool";
     const TITLE: &'static str = "HER-IID-pool";
+    const LOOK: Option<Look> = Some(Look::new(GREY, Dash::Sparse, Marker::Wedge));
     const SOURCE: &'static str = "Control of this benchmark: HER-IID over a fixed pool of goals";
     const USES_POOL: bool = true;
 

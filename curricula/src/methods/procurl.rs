@@ -33,6 +33,8 @@ use std::sync::Arc;
 
 use agents::Network;
 use envs::Goals;
+use looks::colours::GREEN;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
@@ -147,6 +149,7 @@ impl Method for ProCurl {
     type Config = ProCurlConfig;
     const ID: &'static str = "procurl";
     const TITLE: &'static str = "ProCuRL";
+    const LOOK: Option<Look> = Some(Look::new(GREEN, Dash::Short, Marker::Triangle));
     const SOURCE: &'static str =
         "Tzannetos et al., Proximal Curriculum for Reinforcement Learning Agents, TMLR 2023";
     const USES_POOL: bool = true;

@@ -43,6 +43,8 @@ use std::sync::Arc;
 
 use agents::{Episode, Network};
 use envs::Goals;
+use looks::colours::PURPLE;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Rank, Setting, Statistics};
@@ -182,6 +184,7 @@ impl Method for Space {
     type Config = SpaceConfig;
     const ID: &'static str = "space";
     const TITLE: &'static str = "SPaCE";
+    const LOOK: Option<Look> = Some(Look::new(PURPLE, Dash::DashDot, Marker::Diamond));
     const SOURCE: &'static str =
         "Eimer et al., Self-Paced Context Evaluation for Contextual Reinforcement Learning, ICML 2021";
     const USES_POOL: bool = true;

@@ -49,6 +49,8 @@ use std::sync::Arc;
 
 use agents::Network;
 use envs::Goals;
+use looks::colours::VERMILION;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
@@ -88,6 +90,51 @@ pub struct TeachConfig {
     /// `proportional` (Eq. 11) or `argmax` (section 5.2).
     pub selection: Selection,
 }
+
+/// A field of a method's config that its paper varies in an ablation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AblationAxis {
+    /// Short name, for files and claims.
+    pub id: &'static str,
+    /// Figure of the paper that varies it.
+    pub figure: u32,
+    /// The field's name in the method's config.
+    pub field: &'static str,
+    /// Title of its figures.
+    pub title: &'static str,
+    /// What stands before a value: `n = 3`.
+    pub symbol: &'static str,
+    /// The paper's own value as text, which the others are compared with.
+    pub reference: &'static str,
+}
+
+/// The fields of [`TeachConfig`] that the paper varies in its Figures 3 to 5.
+pub static AXES: [AblationAxis; 3] = [
+    AblationAxis {
+        id: "confidence",
+        figure: 3,
+        field: "confidence",
+        title: "confidence of online networks, or smoothed by target networks",
+        symbol: "confidence",
+        reference: "online",
+    },
+    AblationAxis {
+        id: "window",
+        figure: 4,
+        field: "window",
+        title: "temporal window n",
+        symbol: "n",
+        reference: "10",
+    },
+    AblationAxis {
+        id: "interplay",
+        figure: 5,
+        field: "interplay",
+        title: "interplay frequency Δ",
+        symbol: "Δ",
+        reference: "1",
+    },
+];
 
 /// When TEACH records a value of every goal: what Eq. 8 sums over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -198,6 +245,7 @@ impl Method for Teach {
     type Config = TeachConfig;
     const ID: &'static str = "teach";
     const TITLE: &'static str = "TEACH";
+    const LOOK: Option<Look> = Some(Look::new(VERMILION, Dash::Solid, Marker::Circle));
     const SOURCE: &'static str = "Chaudhary and Behera, TEACH, arXiv 2512.22824";
     const USES_POOL: bool = true;
 

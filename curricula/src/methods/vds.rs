@@ -40,6 +40,8 @@ use agents::{
 };
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Goals, Reward, Rows};
+use looks::colours::BLUE;
+use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
@@ -210,6 +212,7 @@ impl Method for Vds {
     type Config = VdsConfig;
     const ID: &'static str = "vds";
     const TITLE: &'static str = "VDS";
+    const LOOK: Option<Look> = Some(Look::new(BLUE, Dash::Long, Marker::Square));
     const SOURCE: &'static str =
         "Zhang, Abbeel and Pinto, Automatic Curriculum Learning through Value Disagreement, NeurIPS 2020";
     const USES_POOL: bool = false;
