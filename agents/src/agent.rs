@@ -18,8 +18,8 @@ pub enum Network {
     Online,
     /// Their Polyak averages: Q'(s, g, π'(s, g)).
     Target,
-    /// The averaged critic judges the actions of the trained policy: Q'(s, g, π(s, g)), the smooth value function of
-    /// TEACH, section 5.4 and Eq. 12.
+    /// The averaged critic judges the actions of the trained policy: Q'(s, g, π(s, g)), the smooth value
+    /// function of TEACH, section 5.4 and Eq. 12.
     TargetCritic,
 }
 
@@ -57,16 +57,16 @@ pub trait Critic {
     /// Dimensions of the task.
     fn spec(&self) -> &Spec;
 
-    /// Gradient steps taken so far: while they stand still, so do the networks (their input normalisers move with every
-    /// episode that feeds them).
+    /// Gradient steps taken so far. As long as this number stays the same, so do the networks; only their
+    /// input normalisers still move, with every episode that feeds them.
     fn gradient_steps(&self) -> u64;
 
     /// The lowest return there is, -1/(1-gamma); the highest is 0. A critic's own values can lie outside.
     fn lowest_value(&self) -> f64;
 
-    /// Policy confidence of every goal, shape `[n]`: the mean over `states` (`[m, S]`) of Q(s, g, pi(s, g)),
-    /// as it is: an untrained critic may answer above 0 or below [`Critic::lowest_value`] (TEACH, Eq. 7). `goals` has shape
-    /// `[n, G]`.
+    /// Policy confidence in every one of `goals` (`[n, G]`), shape `[n]`: the mean of Q(s, g, pi(s, g)) over
+    /// `states` (`[m, S]`; TEACH, Eq. 7). Values are not clipped: an untrained critic may answer above 0 or
+    /// below [`Critic::lowest_value`].
     ///
     /// # Errors
     /// [`AgentError::NotFinite`] if a value is NaN.
@@ -78,7 +78,8 @@ pub trait Critic {
     /// [`AgentError::NotFinite`] if an action is NaN.
     fn policy(&mut self, states: &Rows, goals: &Rows, network: Network) -> Result<Rows, AgentError>;
 
-    /// `m` states drawn uniformly, with replacement, from the replay buffer: shape `[m, S]`; no row if the buffer is empty.
+    /// `m` states drawn uniformly, with replacement, from the replay buffer: shape `[m, S]`; no row if the
+    /// buffer is empty.
     fn replay_states(&mut self, m: usize, rng: &mut Rng) -> Rows;
 
     /// Fills `batch` with transitions drawn uniformly from the replay buffer, each with the goal that was
@@ -86,7 +87,8 @@ pub trait Critic {
     /// no buffer of its own.
     ///
     /// # Errors
-    /// [`AgentError::EmptyReplay`] before the first episode, [`AgentError::Shape`] if `batch` is of another task.
+    /// [`AgentError::EmptyReplay`] before the first episode, [`AgentError::Shape`] if `batch` is of another
+    /// task.
     fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError>;
 
     /// Fills the next actions of `batch` with the greedy ones, pi(s', g).
@@ -121,10 +123,11 @@ pub enum Mode<'a> {
 
 /// A student: acts, remembers, learns.
 pub trait Agent: Critic + Send {
-    /// Chooses an action for `observation` and `goal` (`[G]`) into `action` (`[A]`).
+    /// Writes an action for `observation` and `goal` (`[G]`) into `action` (`[A]`).
     ///
     /// # Errors
-    /// [`AgentError::NotFinite`] if the policy gives NaN, [`AgentError::Shape`] if a slice does not fit the task.
+    /// [`AgentError::NotFinite`] if the policy gives NaN, [`AgentError::Shape`] if a slice does not fit the
+    /// task.
     fn act(
         &mut self,
         observation: &Observation,
@@ -136,7 +139,7 @@ pub trait Agent: Critic + Send {
     /// Tells the student that a training episode begins (correlated exploration noise starts anew).
     fn begin_episode(&mut self) {}
 
-    /// Takes in a finished training episode. `reward` is the task's for relabelling.
+    /// Takes in a finished training episode. `reward` is the task's, for relabelling.
     ///
     /// # Errors
     /// [`AgentError::Shape`] if the episode does not fit the task.
@@ -145,16 +148,16 @@ pub trait Agent: Critic + Send {
     /// Episodes between two calls of [`Agent::learn`].
     fn episodes_per_cycle(&self) -> usize;
 
-    /// One cycle's learning: its gradient steps and the Polyak updates. `reward` is the task's for relabelling. A student
-    /// that is still warming up learns nothing, and its gradient steps stay.
+    /// One cycle's learning: its gradient steps and the Polyak updates. `reward` is the task's, for
+    /// relabelling. A student that is still warming up takes no gradient step.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if a loss or parameter is not finite, [`AgentError::EmptyReplay`] before the
     /// first episode, unless it is warming up.
     fn learn(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError>;
 
-    /// How much of the time spent in [`Agent::learn`] so far went into drawing batches; `None` from a student that does
-    /// not tell.
+    /// Time that [`Agent::learn`] has spent on drawing batches so far; `None` if the student does not measure
+    /// it.
     fn sampling_time(&self) -> Option<Duration> {
         None
     }
@@ -163,24 +166,26 @@ pub trait Agent: Critic + Send {
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.
     /// Random streams belong to the caller.
     ///
-    /// The log only ever grows past what an earlier returned state refers to, and old episodes are removed no
-    /// sooner than at the save after the one that stopped needing them. So the caller writes the returned
-    /// bytes atomically, after this call, and whenever the process dies, the last written bytes still load.
+    /// A save never overwrites episodes that an earlier state refers to, and removes old ones only one save
+    /// after they were last needed. A caller that writes the returned bytes atomically after this call can
+    /// therefore be killed at any moment: the bytes that it wrote last still load.
     ///
     /// # Errors
     /// [`AgentError::Log`] if the log cannot be written.
     fn save(&mut self, replay: &Path) -> Result<Vec<u8>, AgentError>;
 
-    /// Becomes the student that [`Agent::save`] wrote: going on gives the same bytes as never having stopped.
-    /// What the log holds beyond `state` is cut off.
+    /// Becomes the student that [`Agent::save`] wrote: training on from here gives the same bytes as never
+    /// having stopped. Episodes that the log holds beyond `state` are cut off.
     ///
     /// # Errors
-    /// [`AgentError::State`] if `state` is damaged or of another student, [`AgentError::Log`] if the log is. The
-    /// student is unusable after an error.
+    /// [`AgentError::State`] if `state` is damaged or of another student, [`AgentError::Log`] if the log is.
+    /// The student is unusable after an error.
     fn load(&mut self, state: &[u8], replay: &Path) -> Result<(), AgentError>;
 
-    /// Becomes the student that [`Agent::save`] wrote without its experience: it acts greedily and answers as that one did.
-    /// Its own replay buffer stays as it is, and with it the count of episodes that exploration and learning go by.
+    /// Takes over networks and normalisers of the student that [`Agent::save`] wrote, but not its experience:
+    /// greedy actions and answers are those of that student. This student's own replay buffer stays as it is,
+    /// and so does its number of episodes, which decides whether it warms up and how strong its exploration
+    /// noise is.
     ///
     /// # Errors
     /// [`AgentError::State`] if `state` is damaged or of another student, which leaves this one unusable.

@@ -10,6 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// A number, or "auto": the value that the preset and the environment call for.
 ///
 /// In TOML and JSON it is the number itself or the string `"auto"`.
+///
+/// ```
+/// use agents::Auto;
+///
+/// assert_eq!(Auto::Value(3).value_or(|| 7), 3);
+/// assert_eq!(Auto::Auto.value_or(|| 7), 7);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Auto<T> {
     /// To be worked out.

@@ -7,7 +7,7 @@ use crate::replay::Draw;
 
 /// `n` transitions (s, a, r, s') with the goal they are judged by; every field is a flat matrix of `n` rows.
 ///
-/// Filled from a replay buffer. Numbers are raw: normalisation belongs to whoever feeds a network.
+/// Filled from a replay buffer. Numbers are not normalised; whoever feeds them to a network does that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     /// Number of transitions n.

@@ -1,7 +1,7 @@
 //! The student's hyper-parameters.
 //!
-//! Defaults are TEACH's values where the paper gives one, else those of the public HER configuration of OpenAI
-//! Baselines, which VDS's official code shares.
+//! Defaults are TEACH's values where the paper gives one, else those of the public HER configuration of
+//! OpenAI Baselines, which VDS's official code shares.
 
 use envs::{Family, Spec};
 use serde::{Deserialize, Serialize};
@@ -13,15 +13,16 @@ use crate::noise::NoiseConfig;
 use crate::normalizer::NormalizerConfig;
 use crate::replay::{HerStrategy, Hindsight};
 
-/// Where the values left at "auto" come from.
+/// Which values the fields left at "auto" take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2), 2 episodes per cycle.
+    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2), 2
+    /// episodes per cycle.
     #[default]
     Harmonised,
-    /// What the baselines' official code ran: batch 256, three hidden layers (VDS, `vds_config`), learning after every
-    /// single episode (`baselines.ve_run`).
+    /// The settings of the compared methods' official code: batch 256, three hidden layers (VDS,
+    /// `vds_config`), learning after every single episode (`baselines.ve_run`).
     Official,
 }
 
@@ -37,6 +38,17 @@ pub enum PolyakEvery {
 }
 
 /// All hyper-parameters of the student.
+///
+/// ```
+/// use agents::{Auto, Preset, StudentConfig};
+///
+/// let env = envs::make("Point", &envs::Options::default()).unwrap();
+/// let config = StudentConfig::preset(Preset::Official).resolve(env.spec()).unwrap();
+/// assert_eq!((config.batch, config.layers), (Auto::Value(256), Auto::Value(3)));
+///
+/// let error = StudentConfig { polyak: 2.0, ..StudentConfig::default() }.resolve(env.spec()).unwrap_err();
+/// assert_eq!(error.to_string(), "student.polyak: 2 given, a number in [0, 1] accepted");
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StudentConfig {
@@ -58,7 +70,8 @@ pub struct StudentConfig {
     pub actor_lr: f64,
     /// Adam's step size for the critic, positive. 1e-3 (TEACH 5.2).
     pub critic_lr: f64,
-    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online. The rule is TEACH's Eq. 12, 0.95 is Baselines'.
+    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online (TEACH, Eq. 12,
+    /// which gives no α). 0.95 (Baselines).
     pub polyak: f64,
     /// When the target networks follow: once per `cycle` (Baselines) or after every `update` (DDPG).
     pub polyak_every: PolyakEvery,
@@ -66,19 +79,21 @@ pub struct StudentConfig {
     pub episodes_per_cycle: Auto<usize>,
     /// Gradient steps per cycle, at least 1. 40 (Baselines).
     pub updates_per_cycle: usize,
-    /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4 (HER).
+    /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4
+    /// (HER).
     pub her_k: u32,
-    /// Which achieved goals of its episode a transition is relabelled with: one of the `future`, the `final` one or any of
-    /// the `episode`. `future` (Baselines; best in HER, section 4.5).
+    /// Which achieved goals of its episode a transition is relabelled with: one of the `future`, the `final`
+    /// one or any of the `episode`. `future` (Baselines; best in HER, section 4.5).
     pub her_strategy: HerStrategy,
     /// Weight of the mean squared action in the actor's loss, 0 or more. 1.0 (Baselines).
     pub action_l2: f64,
     /// Exploration noise.
     pub noise: NoiseConfig,
-    /// First training episodes whose actions are uniformly random, at most 1,000,000,000; no gradient step is taken before
-    /// they have come in, so that learning begins with the first cycle that ends after them. 0 (Baselines).
+    /// How many training episodes at the start take uniformly random actions, at most 1,000,000,000. Learning
+    /// begins with the first cycle that ends after them. 0 (Baselines).
     pub warmup_episodes: u64,
-    /// Transitions kept for replay, at least one episode; rounded down to whole episodes. 1,000,000 (Baselines).
+    /// Transitions kept for replay, at least one episode; rounded down to whole episodes. 1,000,000
+    /// (Baselines).
     pub replay_capacity: usize,
     /// Input normalisation.
     pub normalizer: NormalizerConfig,
@@ -151,7 +166,8 @@ impl StudentConfig {
         Hindsight { k: self.her_k, strategy: self.her_strategy }
     }
 
-    /// This config with every "auto" that stands for a number replaced by it for the task `spec`, all ranges checked.
+    /// This config for the task `spec`: every "auto" that stands for a number is replaced by that number, and
+    /// all ranges are checked.
     ///
     /// # Errors
     /// [`AgentError::Config`] naming the field and what it accepts.
@@ -192,7 +208,8 @@ impl StudentConfig {
     }
 }
 
-/// Episodes that a setting can speak of, at most: no run has as many, and their steps can still be counted.
+/// The largest number of episodes that a field accepts: more than any run has, and small enough that counting
+/// their steps cannot overflow.
 pub(crate) const MOST_EPISODES: u64 = 1_000_000_000;
 
 /// Refuses `field` with `reason` unless `good`.

@@ -20,7 +20,7 @@ pub enum Device {
 }
 
 impl Device {
-    /// libtorch's device, its CUDA library loaded if need be.
+    /// The device as libtorch names it; loads libtorch's CUDA library if that is needed.
     ///
     /// # Errors
     /// [`AgentError::Device`] saying what is missing.
@@ -42,8 +42,8 @@ impl Device {
     }
 }
 
-/// Loads `libtorch_cuda.so` from the folder of the libtorch this process runs on, so that it registers its kernels, and
-/// tries it out.
+/// Loads `libtorch_cuda.so` from the folder of the libtorch this process runs on, so that it registers its
+/// kernels, and tries it out.
 fn load_cuda(folder: &Path) -> Result<(), String> {
     let library = folder.join("libtorch_cuda.so");
     if !library.is_file() {
@@ -62,14 +62,14 @@ fn load_cuda(folder: &Path) -> Result<(), String> {
     }
 }
 
-/// (1 1)·(2 2)ᵀ on `device`, waited for: 4. Whether a device is there libtorch would answer with no more than no; and
-/// a driver alone does not multiply.
+/// Computes (1 1)·(2 2)ᵀ on `device`, which is 4, and waits for the result. libtorch's own query for a device
+/// gives no reason when it finds none, and that a driver is installed does not prove that products work.
 fn multiply_on(device: tch::Device) -> Result<f64, tch::TchError> {
     let ones = tch::Tensor::f_ones([1, 2], (tch::Kind::Float, device))?;
     ones.f_mm(&ones.f_mul_scalar(2.0)?.f_tr()?)?.f_double_value(&[0, 0])
 }
 
-/// Whether loops over plain numbers reach the memory of `device`: the CPU's alone.
+/// Whether loops over plain numbers can reach the memory of `device`: only the CPU's.
 pub(crate) fn in_reach(device: tch::Device) -> bool {
     #[cfg(test)]
     if tests::FAR.get() {
@@ -81,8 +81,8 @@ pub(crate) fn in_reach(device: tch::Device) -> bool {
 #[allow(unsafe_code, reason = "dlopen runs the library's initialisers")]
 fn open_globally(library: &Path) -> Result<(), libloading::Error> {
     use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_NOW};
-    // SAFETY: libtorch_cuda.so's initialisers register kernels with libtorch, which is loaded already; they have
-    // no precondition beyond that. The library is never unloaded.
+    // SAFETY: libtorch_cuda.so's initialisers register kernels with libtorch, which is loaded already; they
+    // have no precondition beyond that. The library is never unloaded.
     let loaded = unsafe { Library::open(Some(library), RTLD_NOW | RTLD_GLOBAL) }?;
     std::mem::forget(loaded);
     Ok(())

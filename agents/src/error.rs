@@ -58,12 +58,12 @@ pub enum AgentError {
         reason: String,
     },
     /// The log of the replay buffer cannot be written or read, or is damaged.
-    #[error("replay log {path}: {reason}")]
+    #[error("replay log {path}: {problem}")]
     Log {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        reason: String,
+        problem: LogProblem,
     },
     /// The device asked for is not usable here.
     #[error("device {device}: {reason}")]
@@ -73,9 +73,21 @@ pub enum AgentError {
         /// What is missing.
         reason: String,
     },
-    /// libtorch refused an operation. It says so in one line, with the place in its own sources in many more.
+    /// libtorch refused an operation. Only the first line of its message is shown: the others say where in
+    /// its own sources that happened.
     #[error("libtorch: {}", first_line(.0))]
     Torch(#[from] tch::TchError),
+}
+
+/// What is wrong with a file of the replay buffer's log.
+#[derive(Debug, thiserror::Error)]
+pub enum LogProblem {
+    /// The system refused to read or write it.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// It does not hold what it should.
+    #[error("{0}")]
+    Damaged(String),
 }
 
 /// The first line of what libtorch says.

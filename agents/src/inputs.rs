@@ -98,11 +98,13 @@ pub(crate) struct PartSide {
     pub(crate) actions: Block,
 }
 
-/// Rows per part on the CPU, at most. The buffers of so many rows stay near the core (512 rows of 256 units are
-/// 512 KiB) where those of a whole batch of 1024 overflow a cache of 2 MiB: measured, 7 % of an update's time.
+/// The most rows per part on the CPU. The buffers of 512 rows stay in the core's cache (512 rows of 256 units
+/// are 512 KiB); those of a whole batch of 1024 overflow a cache of 2 MiB, which cost 7 % of an update's
+/// time.
 const ROWS_PER_PART: usize = 512;
 
-/// The largest divisor of `n` up to [`ROWS_PER_PART`], or `n` itself where a quarter of that is out of reach.
+/// The largest divisor of `n` between a quarter of [`ROWS_PER_PART`] and [`ROWS_PER_PART`]; `n` itself if
+/// there is none.
 pub(crate) fn rows_per_part(n: usize, device: Device) -> usize {
     if !in_reach(device) {
         return n;

@@ -1,8 +1,49 @@
 //! The student: DDPG + HER on libtorch.
 //!
 //! [`Agent`] is the trait that the harness trains through, [`Critic`] its read-only side that teachers see.
-//! [`make`] builds the agent that a [`StudentConfig`] names from the table [`registry::AGENTS`]. Teachers that learn values
-//! of their own have [`Ensemble`].
+//! [`make`] builds the agent that a [`StudentConfig`] names from the table [`registry::AGENTS`]. Teachers
+//! that learn values of their own have [`Ensemble`].
+//!
+//! One cycle of training, as the harness does it:
+//!
+//! ```
+//! use agents::{Episode, Mode, StudentConfig};
+//! use envs::Rows;
+//! use envs::rng::{Purpose, stream};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! agents::prepare_thread();
+//! let mut env = envs::make("Point", &envs::Options::default())?;
+//! let spec = env.spec().clone();
+//! let config = StudentConfig { width: 16, updates_per_cycle: 2, ..StudentConfig::default() };
+//! let mut student = agents::make(&config, &spec, 0)?;
+//!
+//! let (mut starts, mut exploration) = (stream(0, Purpose::Environment), stream(0, Purpose::Exploration));
+//! let mut replay = stream(0, Purpose::Replay);
+//! for _ in 0..student.episodes_per_cycle() {
+//!     env.reset(&mut starts)?;
+//!     student.begin_episode();
+//!     let [mut states, mut achieved, mut actions] = [spec.state, spec.goal, spec.action].map(Rows::new);
+//!     let mut action = vec![0.0; spec.action];
+//!     for _ in 0..spec.horizon {
+//!         states.push(&env.observation().state);
+//!         achieved.push(&env.observation().achieved);
+//!         let mode = Mode::Explore(&mut exploration);
+//!         student.act(env.observation(), env.goal(), mode, &mut action)?;
+//!         env.step(&action)?;
+//!         actions.push(&action);
+//!     }
+//!     states.push(&env.observation().state);
+//!     achieved.push(&env.observation().achieved);
+//!     let success = env.success(&env.observation().achieved, env.goal());
+//!     let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), success };
+//!     student.observe(&episode, env.as_ref(), &mut replay)?;
+//! }
+//! student.learn(env.as_ref(), &mut replay)?;
+//! assert_eq!(student.gradient_steps(), 2);
+//! # Ok(())
+//! # }
+//! ```
 
 mod agent;
 mod auto;
@@ -30,8 +71,7 @@ pub use batch::Batch;
 pub use config::{PolyakEvery, Preset, StudentConfig};
 pub use device::Device;
 pub use ensemble::{Ensemble, EnsembleConfig};
-pub use error::AgentError;
-
+pub use error::{AgentError, LogProblem};
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
 pub use products::Products;

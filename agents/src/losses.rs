@@ -1,8 +1,8 @@
 //! The student's losses and their gradients, one equation each.
 //!
-//! The equations stand first, as functions of plain numbers. Below them they are applied to matrices, the values'
-//! `[E, rows, 1]` and the actions' `[E, A, rows]`: E learners, whose losses are means over n transitions each. A batch may come in parts, so n is given
-//! and the parts of a loss add up.
+//! The equations come first, as functions of plain numbers. Below them they are applied to matrices: values
+//! of shape `[E, rows, 1]` and actions of shape `[E, A, rows]`, for E learners. Each learner's loss is a mean
+//! over n transitions. A batch may come in parts, so n is passed in and the parts' losses add up.
 
 use tch::{Kind, TchError, Tensor};
 
@@ -16,14 +16,15 @@ pub(crate) struct Discount {
 }
 
 impl Discount {
-    /// −1/(1 − γ), the return of failing for ever: the lowest value a critic can hold. The highest is 0.
+    /// −1/(1 − γ), the return of failing for ever and so the lowest possible value. The highest is 0.
     pub(crate) fn lowest_value(self) -> f64 {
         -1.0 / (1.0 - self.gamma)
     }
 }
 
 /// y = clip(r + γ·Q'(s', g, π'(s', g)), −1/(1 − γ), 0), the clipped Bellman target (DDPG, Eq. 5; HER, section
-/// 4.1: rewards in {−1, 0} bound every return; Baselines). There are no terminal states: episodes end by time alone.
+/// 4.1: rewards in {−1, 0} bound every return; Baselines). There are no terminal states: episodes end by time
+/// alone.
 #[inline]
 fn bellman_target(reward: f32, next_value: f32, gamma: f32, lowest: f32) -> f32 {
     (reward + gamma * next_value).clamp(lowest, 0.0)
@@ -54,7 +55,8 @@ fn action_penalty_slope(action: f32, action_l2: f32, components: f32) -> f32 {
     2.0 * action_l2 * action / components
 }
 
-/// Writes the targets y of transitions with `rewards` and `next_values` into `targets`, `[E, rows, 1]` all.
+/// Writes the targets y of transitions with `rewards` and `next_values` into `targets`; all are `[E, rows,
+/// 1]`.
 pub(crate) fn write_targets(
     rewards: &Views,
     next_values: &Views,
@@ -78,8 +80,8 @@ pub(crate) fn write_targets(
     Ok(())
 }
 
-/// Writes the slope of mean (Q − y)² in Q into `slope` (`[E, rows, 1]` all) and returns these rows' part of the loss,
-/// summed over the learners.
+/// Writes the slope of mean (Q − y)² in Q into `slope` (`[E, rows, 1]` all) and returns these rows' part of
+/// the loss, summed over the learners.
 pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
     if !values.on_cpu {
         let error = values.whole.f_sub(&targets.whole)?;
@@ -98,8 +100,8 @@ pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Vie
     Ok(loss)
 }
 
-/// Writes the slope of −mean Q in Q, −1/n, into `slope` (`[E, rows, 1]` both) and returns these rows' part of −mean Q,
-/// summed over the learners.
+/// Writes the slope of −mean Q in Q, −1/n, into `slope` (`[E, rows, 1]` both) and returns these rows' part of
+/// −mean Q, summed over the learners.
 pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
     if !values.on_cpu {
         let _ = slope.whole.shallow_clone().f_fill_(-1.0 / n as f64)?;
@@ -115,8 +117,8 @@ pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64,
     Ok(loss)
 }
 
-/// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean π², summed
-/// over the learners.
+/// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean
+/// π², summed over the learners.
 pub(crate) fn penalty_part(
     actions: &Views,
     action_l2: f64,
@@ -180,7 +182,8 @@ mod tests {
         assert_eq!(action_penalty_slope(-0.5, 3.0, 6.0), -0.5);
     }
 
-    /// Of two learners, each so many rows and columns; by loops over the numbers, or as another device would.
+    /// Two learners' matrices of `rows` by `columns`; `looped` says whether loops over the numbers work on
+    /// them or the operations of another device.
     fn views([rows, columns]: [i64; 2], numbers: &[f32], looped: bool) -> Views {
         let mut views = Views::new(Tensor::from_slice(numbers).view([2, rows, columns])).unwrap();
         views.on_cpu = looped;

@@ -10,13 +10,14 @@ use crate::error::AgentError;
 
 /// Kind and strength of the exploration noise.
 ///
-/// Either kind can be annealed: its strength, that is `std` and `random_epsilon` or `sigma`, is multiplied by a factor that
-/// moves linearly from 1 to `final_scale` over the first `anneal_episodes` training episodes, those of a warm-up included, and
-/// then stays.
+/// Either kind can be annealed: its strength (`std` and `random_epsilon`, or `sigma`) is multiplied by a
+/// factor that moves linearly from 1 to `final_scale` over the first `anneal_episodes` training episodes,
+/// including those of a warm-up, and then stays there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum NoiseConfig {
-    /// With probability `random_epsilon` a uniform action, else the policy's plus N(0, `std`²), clipped (Baselines).
+    /// With probability `random_epsilon` a uniform action, else the policy's plus N(0, `std`²), clipped
+    /// (Baselines).
     Gaussian {
         /// Standard deviation as a share of the action's range, 0 or more. 0.2 (Baselines).
         #[serde(default = "gaussian_std")]
@@ -27,13 +28,13 @@ pub enum NoiseConfig {
         /// Share of the strength that is left after annealing, in [0, 1]. 1.
         #[serde(default = "unchanged")]
         final_scale: f64,
-        /// Training episodes that annealing takes, at most 1,000,000,000; for 0 the strength is constant, whatever
-        /// `final_scale` says. 0.
+        /// Training episodes that annealing takes, at most 1,000,000,000. With 0 the strength is constant,
+        /// whatever `final_scale` says. 0.
         #[serde(default)]
         anneal_episodes: u64,
     },
-    /// The policy's action plus an Ornstein-Uhlenbeck process that starts at 0 in every episode, clipped (TEACH 4.2
-    /// names it as an example; parameters: DDPG, Lillicrap et al. 2016, section 7).
+    /// The policy's action plus an Ornstein-Uhlenbeck process that starts at 0 in every episode, clipped
+    /// (TEACH 4.2 names it as an example; parameters: DDPG, Lillicrap et al. 2016, section 7).
     OrnsteinUhlenbeck {
         /// Rate of return to 0, 0 or more. 0.15 (DDPG).
         #[serde(default = "ou_theta")]
@@ -47,8 +48,8 @@ pub enum NoiseConfig {
         /// Share of the strength that is left after annealing, in [0, 1]. 1.
         #[serde(default = "unchanged")]
         final_scale: f64,
-        /// Training episodes that annealing takes, at most 1,000,000,000; for 0 the strength is constant, whatever
-        /// `final_scale` says. 0.
+        /// Training episodes that annealing takes, at most 1,000,000,000. With 0 the strength is constant,
+        /// whatever `final_scale` says. 0.
         #[serde(default)]
         anneal_episodes: u64,
     },
@@ -135,8 +136,8 @@ impl Noise {
         self.process.fill(0.0);
     }
 
-    /// Turns the policy's `action` (`[A]`) into an exploring one in [-1, 1], in the training episode that `before` episodes
-    /// came before.
+    /// Turns the policy's `action` (`[A]`) into an exploring one in [-1, 1]. `before` is the number of
+    /// training episodes before this one.
     pub(crate) fn apply(&mut self, action: &mut [f64], before: u64, rng: &mut Rng) {
         let (final_scale, anneal_episodes) = self.config.annealing();
         let scale = annealed(before, anneal_episodes, final_scale);
@@ -178,8 +179,8 @@ pub(crate) fn uniform(action: &mut [f64], rng: &mut Rng) {
     action.fill_with(|| rng.random_range(-1.0..=1.0));
 }
 
-/// (1 − p) + p·`final_scale` for p = min(`before`/`episodes`, 1): the factor of the noise's strength in the episode that
-/// `before` others came before. 1 if no episodes are annealed over.
+/// (1 − p) + p·`final_scale` with p = min(`before`/`episodes`, 1): the factor of the noise's strength after
+/// `before` episodes. 1 if `episodes` is 0.
 fn annealed(before: u64, episodes: u64, final_scale: f64) -> f64 {
     if episodes == 0 {
         return 1.0;
@@ -219,7 +220,7 @@ mod tests {
         }
     }
 
-    /// What annealed noise does half-way is what constant noise of the annealed strength does, bit by bit.
+    /// Half-way through annealing, the noise equals constant noise of that strength bit by bit.
     #[test]
     fn annealing_scales_the_strength_and_nothing_else() {
         let (final_scale, anneal_episodes) = (0.5, 10);
@@ -275,7 +276,7 @@ mod tests {
         assert!((mean - 0.1).abs() < 0.01 && (std - 0.2).abs() < 0.01, "{mean} {std}");
     }
 
-    /// At the border half of the draws would lie beyond it.
+    /// Around an action at the bound, half of the draws would lie beyond it.
     #[test]
     fn exploring_actions_are_clipped_in_every_component() {
         for config in [NoiseConfig::gaussian(0.5, 0.0), NoiseConfig::ornstein_uhlenbeck(0.15, 0.5, 1.0)] {

@@ -16,11 +16,12 @@ pub struct NormalizerConfig {
     pub clip_before: f64,
     /// Bound on normalised inputs, positive. 5 (Baselines).
     pub clip_after: f64,
-    /// Zeros that count as seen before the first input, 0 to 1,000,000. 1 (Baselines, whose `Normalizer` starts with
-    /// count 1, sum 0 and sum of squares 0); 0 for the moments of the inputs alone.
+    /// How many zeros count as seen before the first input, 0 to 1,000,000; with 0 the moments are those of
+    /// the inputs alone. 1 (Baselines, whose `Normalizer` starts with count 1, sum 0 and sum of squares 0).
     pub pseudo_observations: u64,
-    /// How many episodes, from the first one on, feed the mean and the standard deviation, which are held from then on; at
-    /// most 1,000,000,000. Auto: all of them (Baselines); 0 never normalises (mean 0, standard deviation 1), but still clips.
+    /// How many episodes, from the first one on, feed mean and standard deviation, which then stay as they
+    /// are; at most 1,000,000,000. With 0 inputs are never normalised (mean 0, standard deviation 1) but
+    /// still clipped. Auto: all episodes (Baselines).
     pub feed_episodes: Auto<u64>,
 }
 
@@ -36,7 +37,7 @@ impl Default for NormalizerConfig {
     }
 }
 
-/// Pseudo-observations, at most: a million transitions fill the default replay buffer.
+/// The most pseudo-observations: a million transitions, as many as the default replay buffer holds.
 const MOST_PSEUDO_OBSERVATIONS: u64 = 1_000_000;
 
 impl NormalizerConfig {
@@ -49,7 +50,7 @@ impl NormalizerConfig {
         at_most("normalizer.feed_episodes", self.feed_episodes.value_or(|| 0), MOST_EPISODES)
     }
 
-    /// Whether an episode feeds the normalisers that `before` episodes came before.
+    /// Whether an episode that follows `before` others feeds the normalisers.
     pub(crate) fn feeds(&self, before: u64) -> bool {
         match self.feed_episodes {
             Auto::Auto => true,
@@ -58,10 +59,9 @@ impl NormalizerConfig {
     }
 }
 
-/// What a normaliser has seen, pseudo-observations among it: all that must be saved of it.
+/// What a normaliser has seen, including pseudo-observations: all of it that must be saved.
 ///
-/// Moments that were saved without pseudo-observations stay without: the count says for itself what the sums are divided
-/// by.
+/// The count includes pseudo-observations, so moments that were saved without any stay without any.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,
@@ -75,16 +75,29 @@ impl Moments {
         Self { count: pseudo_observations, sum: vec![0.0; width], sum_of_squares: vec![0.0; width] }
     }
 
-    /// Whether they hold no input, only up to `pseudo_observations` zeros.
+    /// Whether they hold no input, only at most `pseudo_observations` zeros.
     fn are_of_zeros(&self, pseudo_observations: u64) -> bool {
         self.count <= pseudo_observations && self.sum_of_squares.iter().all(|&sum| sum == 0.0)
     }
 }
 
-/// Normalises vectors of one kind (states or goals) by the mean and standard deviation of all it has been fed.
+/// Normalises vectors of one kind (states or goals) by the mean and standard deviation of all it has been
+/// fed.
 ///
-/// Fed nothing, it takes every component as of mean 0 and standard deviation 1, whatever its pseudo-observations: alone,
-/// they would have no deviation (so does Baselines, until it first computes them).
+/// Until it is fed, it assumes mean 0 and standard deviation 1 for every component, whatever its
+/// pseudo-observations: those alone would have no deviation. Baselines does the same until it first computes
+/// the two.
+///
+/// ```
+/// use agents::{Normalizer, NormalizerConfig};
+///
+/// let config = NormalizerConfig { pseudo_observations: 0, ..NormalizerConfig::default() };
+/// let mut normalizer = Normalizer::new(config, 1);
+/// normalizer.update(&[1.0, 3.0]);
+/// let mut out = [0.0];
+/// normalizer.normalize(&[3.0], &mut out);
+/// assert_eq!(out, [1.0]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Normalizer {
     config: NormalizerConfig,
@@ -241,7 +254,7 @@ mod tests {
         assert_eq!(normalized(&pseudo, &[0.2, 0.2]), normalized(&fed, &[0.2, 0.2]));
     }
 
-    /// Zeros alone would have the least deviation, and multiply inputs by 100.
+    /// The deviation of zeros alone is the floor, which would multiply inputs by 100.
     #[test]
     fn pseudo_observations_alone_leave_inputs_as_they_are_also_after_loading() {
         for pseudo_observations in [0, 1, 7] {

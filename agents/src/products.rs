@@ -9,9 +9,10 @@ use crate::error::AgentError;
 
 /// The products of a DDPG update on preallocated memory, 28 with two hidden layers, 38 with three.
 ///
-/// No implementation of the update can do without them, so that a gradient step's time is best told as a multiple of
-/// theirs, measured on the same machine in the same minute. Each is done the way the update does it, thin ones by columns;
-/// but over the whole batch at once, where the update on a CPU goes through it in parts.
+/// No implementation of the update can do without them, so a gradient step's time is best given as a multiple
+/// of theirs, measured on the same machine at the same time. Each product is computed the way the update
+/// computes it, thin ones by columns, with one difference: it covers the whole batch at once, where the
+/// update on a CPU goes through the batch in parts.
 #[derive(Debug)]
 pub struct Products {
     device: Device,
@@ -93,7 +94,7 @@ impl Products {
         Ok(())
     }
 
-    /// The matrix of this role and size: one for all products, as an update's buffers are used again and again.
+    /// The matrix of this role and size. All products share it, as the buffers of an update are reused.
     fn matrix(&mut self, role: usize, size: [usize; 2], transposed: bool) -> Result<Tensor, AgentError> {
         let [rows, columns] = size;
         let size = if transposed { [columns, rows] } else { [rows, columns] };
@@ -108,7 +109,7 @@ impl Products {
         Ok(if transposed { stored.f_tr()? } else { stored })
     }
 
-    /// How many they are.
+    /// The number of products.
     pub fn count(&self) -> usize {
         self.products.len()
     }
@@ -119,7 +120,7 @@ impl Products {
         self.products.iter().map(operations).sum::<i64>() as f64 / 1e9
     }
 
-    /// Multiplies, and waits for a device to be done.
+    /// Computes all products, and waits until a GPU has finished them.
     ///
     /// # Errors
     /// [`AgentError::Torch`] if libtorch refuses.
@@ -145,7 +146,7 @@ mod tests {
     use crate::config::StudentConfig;
     use crate::networks::done;
 
-    /// In a batch that is small enough to be one part.
+    /// With a batch small enough to be one part.
     #[test]
     fn they_are_those_that_a_gradient_step_does() {
         crate::prepare_thread();
@@ -183,8 +184,8 @@ mod tests {
         }
     }
 
-    /// Per row of the batch and hidden width w: the forward passes and backward passes of an actor 28 → w → w → 4 and a
-    /// critic 32 → w → w → 1, a product being 2·rows·inner·columns operations.
+    /// Per row of the batch and hidden width w: the forward passes and backward passes of an actor 28 → w → w
+    /// → 4 and a critic 32 → w → w → 1, a product being 2·rows·inner·columns operations.
     #[test]
     fn a_step_of_two_layers_is_28_products_and_of_three_38() {
         let spec = Spec { id: "Push", family: Family::Fetch, state: 25, goal: 3, action: 4, horizon: 50 };

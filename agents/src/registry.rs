@@ -7,30 +7,30 @@ use crate::config::StudentConfig;
 use crate::ddpg::Ddpg;
 use crate::error::AgentError;
 
-/// One agent.
+/// One agent: a row of [`AGENTS`].
 #[derive(Debug)]
-pub struct Row {
+pub struct AgentRow {
     /// The id that [`StudentConfig::agent`] names.
     pub id: &'static str,
     /// Name for people.
     pub title: &'static str,
-    /// Where it comes from.
-    pub paper: &'static str,
+    /// The papers it comes from.
+    pub source: &'static str,
     build: Constructor,
 }
 
 type Constructor = fn(&StudentConfig, &Spec, u64) -> Result<Box<dyn Agent>, AgentError>;
 
 /// All agents, the default one first.
-pub static AGENTS: &[Row] = &[Row {
+pub static AGENTS: &[AgentRow] = &[AgentRow {
     id: "ddpg-her",
     title: "DDPG + HER",
-    paper: "Lillicrap et al. 2016 (arXiv 1509.02971), Andrychowicz et al. 2017 (arXiv 1707.01495)",
+    source: "Lillicrap et al. 2016 (arXiv 1509.02971), Andrychowicz et al. 2017 (arXiv 1707.01495)",
     build: |config, spec, seed| Ok(Box::new(Ddpg::new(config, spec, seed)?)),
 }];
 
-/// Makes the agent that `config` names, for the task `spec`; the run's `seed` determines its initial weights. Call
-/// [`crate::prepare_thread`] first.
+/// Makes the agent that `config` names, for the task `spec`; the run's `seed` determines its initial weights.
+/// Call [`crate::prepare_thread`] first.
 ///
 /// # Errors
 /// [`AgentError::Unknown`], [`AgentError::Config`], [`AgentError::Device`].

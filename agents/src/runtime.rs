@@ -1,13 +1,13 @@
-//! The libtorch that this process runs on: threads, version, place.
+//! The libtorch that this process runs on: its threads, its version and its folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Limits libtorch to one thread for students that run on the calling thread. Call it first on every thread
-/// that makes or trains a student.
+/// Limits libtorch to one thread for students on the calling thread. Call it first on every thread that makes
+/// or trains a student.
 ///
-/// One thread each is what makes runs reproducible to the byte, and several one-thread runs side by side are as
-/// fast as one run on several threads, without the spinning of OpenMP's threads against busy neighbours.
+/// With one thread each, runs are reproducible to the byte. Several one-thread runs side by side also do as
+/// much work as one run on several threads, and no OpenMP threads spin while they wait for a busy processor.
 pub fn prepare_thread() {
     // The thread count is a setting of each thread, the interoperability pool one of the process.
     static ONCE: Once = Once::new();

@@ -4,6 +4,15 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// A kind of saved state: a header of magic number, version and CRC-32 before the value in postcard's format.
+///
+/// ```
+/// use agents::Seal;
+///
+/// const SEAL: Seal = Seal { magic: *b"GBEX", version: 1, what: "an example" };
+/// let bytes = SEAL.close(&[1.0, 2.0]);
+/// assert_eq!(SEAL.open::<[f64; 2]>(&bytes), Ok([1.0, 2.0]));
+/// assert!(SEAL.open::<[f64; 2]>(&bytes[..20]).is_err());
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Seal {
     /// The first four bytes.

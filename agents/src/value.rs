@@ -37,8 +37,8 @@ impl ValueLearner {
         })
     }
 
-    /// Adds the gradient of every critic's loss on `part` of n transitions, whose next actions are in place. Returns
-    /// the part's share of the losses, summed over the critics.
+    /// Adds the gradient of every critic's loss on `part` of n transitions, whose next actions are in place.
+    /// Returns the part's share of the losses, summed over the critics.
     pub(crate) fn add_gradient(&mut self, part: &Part, n: usize) -> Result<f64, TchError> {
         let Self { networks, passes, targets, discount } = self;
         passes.forward(networks.network(Parameters::Target), &part.next.all)?;

@@ -1,8 +1,10 @@
-//! What the student costs beside the matrix products that no implementation can avoid, on one thread, at batch 1024:
+//! What the student costs besides the matrix products that no implementation can avoid, on one thread, at
+//! batch 1024:
 //!
-//! - `update/L x256/to its products`: a gradient step on a batch as a multiple of its bare products, measured in turn so that
-//!   both meet the same machine (at most 1.15 is wanted);
-//! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most 0.05);
+//! - `update/L x256/to its products`: a gradient step on a batch as a multiple of its bare products, measured
+//!   in turn so that both meet the same machine (at most 1.15 is wanted);
+//! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most
+//!   0.05);
 //! - `act/one observation` (at most 20 µs) and `confidence/1000 goals`: times.
 
 #[path = "../../tests/support/mod.rs"]
@@ -27,7 +29,7 @@ const BATCH: usize = 1024;
 /// Episodes that the student has seen.
 const EPISODES: usize = 500;
 
-/// A buffer of so many episodes.
+/// A buffer that holds `episodes` episodes.
 fn replay(episodes: usize) -> Replay {
     let mut rng = stream(0, Purpose::Replay);
     let mut replay = Replay::new(&FETCH, 1_000_000).expect("room");
@@ -48,19 +50,19 @@ fn student(config: &StudentConfig) -> Box<dyn Agent> {
     student
 }
 
-/// What `work` takes of the processor. It never waits, so that only other work on the machine makes this less than the
-/// time on the wall.
+/// Processor time that `work` takes. It never waits, so processor time and wall-clock time differ only if
+/// other processes use the machine.
 fn timed(work: impl FnOnce()) -> Duration {
     let start = ThreadTime::now();
     work();
     start.elapsed()
 }
 
-/// A short cycle of the student, its Polyak update included and the drawing of its batches taken off (measured on a buffer of
-/// the same episodes), against as many times the products, in turn.
+/// A short cycle of the student against the products of as many updates, in turn. The cycle includes its
+/// Polyak update; the time for drawing its batches, measured on a buffer of the same episodes, is subtracted.
 ///
-/// A real cycle takes ten times as many gradient steps. Short ones change sides so often that a machine whose speed wanders
-/// slows both alike.
+/// A real cycle takes ten times as many gradient steps. Short ones alternate so often that a change in the
+/// machine's speed slows both sides alike.
 fn update(criterion: &mut Criterion<Ratio>) {
     agents::prepare_thread();
     for layers in [2, 3] {

@@ -73,7 +73,7 @@ impl Query {
         self.critic.set_rows(rows)
     }
 
-    /// π(s, g) of the rows in use, shape `[rows · A]`, to `work`.
+    /// Calls `work` with π(s, g) of the rows in use, shape `[rows · A]`.
     fn actions<T>(
         &mut self,
         learner: &Learner,
@@ -89,7 +89,7 @@ impl Query {
         })
     }
 
-    /// Q(s, g, π(s, g)) of the rows in use, shape `[rows]`, to `work`.
+    /// Calls `work` with Q(s, g, π(s, g)) of the rows in use, shape `[rows]`.
     fn values(
         &mut self,
         learner: &Learner,
@@ -103,7 +103,7 @@ impl Query {
     }
 }
 
-/// Gives `work` the numbers of a contiguous tensor, all of them finite.
+/// Calls `work` with the numbers of a contiguous tensor, or fails if one of them is not finite.
 fn read_finite<T>(
     tensor: &Tensor,
     what: &'static str,
@@ -124,7 +124,7 @@ impl Inference {
         Ok(Self { one: Query::new(dims, shapes, 1, device)?, many: Query::new(dims, shapes, CHUNK, device)? })
     }
 
-    /// The online policy's action for one state and goal into `action`, shape `[A]`.
+    /// Writes the online policy's action for one state and goal into `action`, shape `[A]`.
     pub(super) fn act(
         &mut self,
         learner: &Learner,
@@ -141,7 +141,7 @@ impl Inference {
         })
     }
 
-    /// The action for every pair of a state and a goal, in order, to `take`, shape `[A]` each.
+    /// Calls `take` with the action (`[A]`) for every pair of a state and a goal, in order.
     pub(super) fn policy<'a>(
         &mut self,
         learner: &Learner,

@@ -191,7 +191,7 @@ fn shapes(layers: usize) -> [Shape; 2] {
     [shape(dims.actor_inputs(), dims.action, Output::Tanh), shape(dims.critic_inputs(), 1, Output::Linear)]
 }
 
-/// A learner whose four networks are all different, none of them with zero biases, the targets with values so large
+/// A learner whose four networks all differ and have no zero biases. The target networks' values are so large
 /// that some Bellman targets are clipped.
 fn learner(layers: usize, batch: usize, rng: &mut Rng) -> Learner {
     let config = StudentConfig {
@@ -270,7 +270,7 @@ fn gradients_are_those_of_automatic_differentiation() {
     check_gradients(&[&two_and_three[..], &others].concat());
 }
 
-/// With networks of so many layers and batches of so many transitions.
+/// Compares in every case, which is a number of hidden layers and a number of transitions.
 fn check_gradients(cases: &[(usize, usize)]) {
     crate::prepare_thread();
     let mut rng = stream(0, Purpose::Weights);
@@ -324,7 +324,7 @@ fn two_hundred_updates_on_another_device_follow_automatic_differentiation_with_a
     far_away(|| check_updates(0.95, 40));
 }
 
-/// With targets that follow, at the weight `polyak`, after every so many updates.
+/// Compares with targets that follow with weight `polyak`, once every `every` updates.
 fn check_updates(polyak: f64, every: usize) {
     crate::prepare_thread();
     let mut rng = stream(1, Purpose::Weights);

@@ -1,4 +1,4 @@
-//! Saving and loading a student, its replay buffer apart.
+//! Saving and loading a student, except for its replay buffer.
 //!
 //! The bytes are sealed with magic, version and CRC-32. Hyper-parameters are not part of it: the
 //! caller knows them, and parameters of another shape are refused.
@@ -13,7 +13,7 @@ use crate::seal::Seal;
 
 const SEAL: Seal = Seal { magic: *b"GBDH", version: 2, what: "a student's state" };
 
-/// Everything that a student is beside its config and its replay buffer.
+/// Everything that makes a student, except its config and its replay buffer.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     environment: String,
@@ -45,7 +45,8 @@ pub(super) fn encode(student: &Ddpg) -> Result<Vec<u8>, AgentError> {
     Ok(SEAL.close(&saved))
 }
 
-/// Makes `student` what [`encode`] read, the replay buffer apart. Gives the number of episodes that had come into that.
+/// Makes `student` the one that [`encode`] was given, except for the replay buffer. Returns how many episodes
+/// had come into that buffer.
 ///
 /// # Errors
 /// [`AgentError::State`] if `state` is damaged or of another student.
@@ -125,8 +126,8 @@ mod tests {
         }
     }
 
-    /// The ring (5 episodes of 20 steps) wraps between the saves, the first of which comes after 4 episodes of 8: in the
-    /// middle of what is counted in episodes.
+    /// The first save comes after 4 of 8 episodes, in the middle of every warm-up and annealing below, and
+    /// the ring (5 episodes of 20 steps) wraps between the two saves.
     #[test]
     fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
         for config in [

@@ -82,7 +82,8 @@ impl Learner {
         Ok(())
     }
 
-    /// Adds ∂(mean (Q(s, g, a) − y)²)/∂θ_Q over `part`, with a' = π'(s', g) in y. Returns the part of the loss.
+    /// Adds ∂(mean (Q(s, g, a) − y)²)/∂θ_Q over `part`, with a' = π'(s', g) in y. Returns these
+    /// rows' part of the loss.
     fn add_critic_gradient(&mut self, part: usize) -> Result<f64, TchError> {
         let Self { actor, critic, actor_passes, inputs, .. } = self;
         let part = &inputs.parts[part];
@@ -91,8 +92,8 @@ impl Learner {
         critic.add_gradient(part, inputs.n)
     }
 
-    /// Adds ∂(−mean Q(s, g, π(s, g)) + λ·mean π²)/∂θ_π over `part`, by the chain rule through the critic's action
-    /// input. Returns the part of the loss.
+    /// Adds ∂(−mean Q(s, g, π(s, g)) + λ·mean π²)/∂θ_π over `part`, by the chain rule through the critic's
+    /// action input. Returns these rows' part of the loss.
     fn add_actor_gradient(&mut self, part: usize) -> Result<f64, TchError> {
         let Self { actor, critic, actor_passes, inputs, action_weights, rates, .. } = self;
         let (part, n) = (&inputs.parts[part], inputs.n);
@@ -117,7 +118,7 @@ impl Learner {
         Ok(())
     }
 
-    /// Looks at every parameter.
+    /// Checks every parameter.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if one is not finite.

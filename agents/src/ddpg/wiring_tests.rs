@@ -26,8 +26,8 @@ fn small() -> StudentConfig {
     StudentConfig { batch: Auto::Value(16), width: 8, updates_per_cycle: 3, ..StudentConfig::default() }
 }
 
-/// Episode number e in numbers that say where they belong: at step t the state is (e, t) and the achieved goal
-/// (e, t/100); the goal asked for is (−e, 0).
+/// Episode number e in numbers that say where they belong: at step t the state is (e, t) and the achieved
+/// goal (e, t/100); the goal asked for is (−e, 0).
 fn episode(number: u16) -> Episode {
     let e = f64::from(number);
     let [mut states, mut achieved, mut actions] = [2, 2, 2].map(Rows::new);
@@ -67,7 +67,7 @@ fn every_new_episode_feeds_the_normalisers_with_as_many_relabelled_draws_of_it_a
     }
 }
 
-/// Mean and deviation are those of the first episodes; the draws from the buffer are the same as without a limit.
+/// Mean and deviation are those of the first episodes. Batches are drawn as they would be without a limit.
 #[test]
 fn later_episodes_than_those_that_feed_leave_the_normalisers_as_they_are() {
     let normalizer = |feed_episodes| NormalizerConfig { feed_episodes, ..NormalizerConfig::default() };
@@ -151,8 +151,8 @@ fn check_batches(hindsight: Hindsight) {
     assert_eq!(rng, draws);
 }
 
-/// The same draws and steps, but targets that move between them: each step of `apart`'s cycles of one step is one of
-/// `together`'s.
+/// Both take the same draws and steps, but the targets of `apart`, whose cycles have one step, also move
+/// between the steps of one cycle of `together`.
 #[test]
 fn targets_follow_every_update_if_asked_to() {
     let polyak_every = PolyakEvery::Update;
@@ -274,8 +274,9 @@ fn a_warm_up_acts_at_random_and_learns_nothing_until_it_is_over() {
     assert_eq!(student.gradient_steps(), 3);
 }
 
-/// A step size beyond single precision makes parameters infinite while the loss before the step was finite. If there is
-/// a further step in the cycle, its loss tells.
+/// A step size beyond single precision makes parameters infinite although the loss before the step was
+/// finite. A later step of the same cycle finds out by its loss; after the cycle's last step the check of
+/// parameters must.
 #[test]
 fn what_is_not_finite_ends_the_cycle_as_divergence() {
     let check = || {

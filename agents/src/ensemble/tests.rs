@@ -200,7 +200,8 @@ fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
     assert!(other.load(&saved[..10]).is_err());
 }
 
-/// The ensemble's normalisers are of the student's config: 4 states and 4 times the goal, beside what is counted before.
+/// The ensemble's normalisers follow the student's config: besides the pseudo-observations they count 4
+/// states and 4 times the goal.
 #[test]
 fn normalisers_start_with_the_pseudo_observations_of_the_student() {
     for pseudo_observations in [0, 1, 3] {

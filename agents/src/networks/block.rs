@@ -44,8 +44,9 @@ impl Block {
 
     /// The transposes of `whole`, shape `[E, columns, rows]`: matrices that lie column by column.
     ///
-    /// What has few columns lies this way and is computed as its transpose: where the processor multiplies 16 numbers at once,
-    /// libtorch's product of 512 × 256 by 256 × 4 took 57 µs and its transpose 11 to 22 µs.
+    /// Matrices with few columns are stored this way, and their transposes are computed: on a processor that
+    /// multiplies 16 numbers at once, libtorch's product of 512 × 256 by 256 × 4 took 57 µs, the transposed
+    /// product 11 to 22 µs.
     pub(crate) fn by_columns(whole: Tensor) -> Result<Self, TchError> {
         let Self { plain, transposed } = Self::new(whole)?;
         Ok(Self { plain: transposed, transposed: plain })
@@ -84,7 +85,7 @@ pub(crate) fn copy(to: &Tensor, from: &Tensor) -> Result<(), TchError> {
 
 /// out = left · right, member by member.
 ///
-/// One batched product for all members pays on a GPU only, and a single member needs none.
+/// One batched product for all members pays off on a GPU only, and a single member does not need it.
 pub(super) fn multiply(out: &Views, left: &Views, right: &Views) -> Result<(), TchError> {
     if out.on_cpu || out.members.len() == 1 {
         for ((out, left), right) in out.members.iter().zip(&left.members).zip(&right.members) {
@@ -112,7 +113,7 @@ pub(super) fn multiply_add(out: &Views, left: &Views, right: &Views) -> Result<(
     Ok(())
 }
 
-/// Which products were done on this thread, for tests.
+/// A record of the products that this thread has computed, for tests.
 #[cfg(test)]
 pub(crate) mod done {
     use std::cell::RefCell;
@@ -137,7 +138,7 @@ pub(crate) mod done {
         DONE.with_borrow_mut(|done| done.push(product(left, right)));
     }
 
-    /// Those since the last call, in order of size.
+    /// The products since the last call, in order of size.
     pub(crate) fn take() -> Vec<Product> {
         let mut done = DONE.take();
         done.sort_unstable();

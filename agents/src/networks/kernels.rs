@@ -6,12 +6,10 @@ use tch::{Kind, TchError};
 use super::block::Views;
 use super::slices::with_slices;
 
-/// z ← z + b, every column of `z` (`[E, w, n]`) alike; `bias` is `[E, w, 1]`.
+/// z ← z + b for every column of `z` (`[E, w, n]`); `bias` is `[E, w, 1]`.
 pub(super) fn add_bias(z: &Views, bias: &Views) -> Result<(), TchError> {
     if z.on_cpu {
-        for (z, bias) in z.members.iter().zip(&bias.members) {
-            with_slices([z], [bias], |[z], [bias]| add_bias_columns(z, bias));
-        }
+        each(z, bias, add_bias_columns);
     } else {
         let _ = z.whole.f_add_out(&z.whole, &bias.whole)?;
     }
@@ -21,9 +19,7 @@ pub(super) fn add_bias(z: &Views, bias: &Views) -> Result<(), TchError> {
 /// z ← max(z + b, 0), the forward step of a hidden layer.
 pub(super) fn add_bias_relu(z: &Views, bias: &Views) -> Result<(), TchError> {
     if z.on_cpu {
-        for (z, bias) in z.members.iter().zip(&bias.members) {
-            with_slices([z], [bias], |[z], [bias]| add_bias_relu_rows(z, bias));
-        }
+        each(z, bias, add_bias_relu_rows);
     } else {
         let _ = z.whole.f_add_out(&z.whole, &bias.whole)?;
         let _ = z.whole.f_relu_out(&z.whole)?;
@@ -34,16 +30,14 @@ pub(super) fn add_bias_relu(z: &Views, bias: &Views) -> Result<(), TchError> {
 /// δ ← δ where h > 0, else 0: the backward step through the ReLU that gave `h` (`[E, n, w]` both).
 pub(super) fn mask(delta: &Views, hidden: &Views) -> Result<(), TchError> {
     if delta.on_cpu {
-        for (delta, hidden) in delta.members.iter().zip(&hidden.members) {
-            with_slices([delta], [hidden], |[delta], [hidden]| mask_all(delta, hidden));
-        }
+        each(delta, hidden, mask_all);
     } else {
         let _ = delta.whole.f_mul_out(&delta.whole, &hidden.whole.f_gt(0.0)?)?;
     }
     Ok(())
 }
 
-/// [`mask`], and to `sums` (`[E, 1, w]`) is added the sum of every column of what is left: the bias's gradient.
+/// [`mask`]; then adds the sum of every column to `sums` (`[E, 1, w]`), which gives the bias's gradient.
 pub(super) fn mask_and_add_column_sums(delta: &Views, hidden: &Views, sums: &Views) -> Result<(), TchError> {
     if delta.on_cpu {
         for ((delta, hidden), sums) in delta.members.iter().zip(&hidden.members).zip(&sums.members) {
@@ -63,9 +57,7 @@ pub(super) fn mask_and_add_column_sums(delta: &Views, hidden: &Views, sums: &Vie
 /// sums ← sums + the sum of every row of `delta` (`[E, w, n]`), shape `[E, w, 1]`.
 pub(super) fn add_row_sums(sums: &Views, delta: &Views) -> Result<(), TchError> {
     if sums.on_cpu {
-        for (sums, delta) in sums.members.iter().zip(&delta.members) {
-            with_slices([sums], [delta], |[sums], [delta]| add_rows(delta, sums));
-        }
+        each(sums, delta, |sums, delta| add_rows(delta, sums));
     } else {
         let of_delta = delta.whole.f_sum_dim_intlist(&[2i64][..], true, Kind::Float)?;
         let _ = sums.whole.f_add_out(&sums.whole, &of_delta)?;
@@ -73,21 +65,27 @@ pub(super) fn add_row_sums(sums: &Views, delta: &Views) -> Result<(), TchError> 
     Ok(())
 }
 
-/// δ ← δ·(1 − y²): the backward step through y = tanh(z), as d tanh(z)/dz = 1 − tanh²(z). Both of any one shape.
+/// δ ← δ·(1 − y²): the backward step through y = tanh(z), as d tanh(z)/dz = 1 − tanh²(z). Both of any one
+/// shape.
 pub(super) fn tanh_backward(delta: &Views, output: &Views) -> Result<(), TchError> {
     if delta.on_cpu {
-        for (delta, output) in delta.members.iter().zip(&output.members) {
-            with_slices([delta], [output], |[delta], [output]| {
-                for (d, y) in delta.iter_mut().zip(output) {
-                    *d *= 1.0 - y * y;
-                }
-            });
-        }
+        each(delta, output, |delta, output| {
+            for (d, y) in delta.iter_mut().zip(output) {
+                *d *= 1.0 - y * y;
+            }
+        });
     } else {
         let slope = output.whole.f_square()?.f_neg()?.f_add_scalar(1.0)?;
         let _ = delta.whole.f_mul_out(&delta.whole, &slope)?;
     }
     Ok(())
+}
+
+/// Calls `work` with the numbers of every member: first those of `written`, then those of `read`.
+fn each(written: &Views, read: &Views, work: impl Fn(&mut [f32], &[f32])) {
+    for (written, read) in written.members.iter().zip(&read.members) {
+        with_slices([written], [read], |[written], [read]| work(written, read));
+    }
 }
 
 fn add_bias_columns(z: &mut [f32], bias: &[f32]) {
@@ -102,7 +100,7 @@ fn add_bias_relu_rows(z: &mut [f32], bias: &[f32]) {
     for row in z.chunks_exact_mut(bias.len()) {
         for (z, b) in row.iter_mut().zip(bias) {
             let sum = *z + b;
-            // Not `max`, which would turn a NaN into 0 and hide it from every check behind.
+            // Not `max`, which would turn a NaN into 0 and hide it from all later checks.
             *z = if sum < 0.0 { 0.0 } else { sum };
         }
     }
@@ -146,8 +144,8 @@ mod tests {
         views
     }
 
-    /// Runs `kernel` on numbers and others, rows of so many each, in loops and as on another device, and compares with
-    /// `expected`.
+    /// Runs `kernel` on `numbers` and `others`, each given with its number of columns, both in loops and with
+    /// the operations of another device, and compares with `expected`.
     fn check(
         kernel: fn(&Views, &Views) -> Result<(), TchError>,
         (numbers, columns): (&[f32], i64),

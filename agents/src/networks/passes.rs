@@ -9,7 +9,7 @@ use super::stack::Stack;
 
 /// The buffers that a stack's passes run on.
 ///
-/// A backward pass belongs to the forward pass before it: same parameters, same input.
+/// A backward pass must follow a forward pass with the same parameters and the same input.
 #[derive(Debug)]
 pub(crate) struct Passes {
     shape: Shape,
@@ -80,7 +80,7 @@ impl Passes {
         Ok(Self { shape, members, device, rows, memory, views })
     }
 
-    /// Makes ready for another number of rows; memory is taken only beyond the largest number so far.
+    /// Prepares for another number of rows; allocates only if it is larger than every one before.
     pub(crate) fn set_rows(&mut self, rows: usize) -> Result<(), TchError> {
         if rows > self.memory.capacity {
             self.memory = Memory::new(self.shape, self.members, rows, self.device)?;
@@ -116,8 +116,8 @@ impl Passes {
         Ok(())
     }
 
-    /// The loss's gradient with respect to the output, `[E, n, outputs]`, by columns: to be written before a backward
-    /// pass, which uses it up.
+    /// The loss's gradient with respect to the output, `[E, n, outputs]`, by columns. The caller writes it
+    /// before a backward pass, which overwrites it.
     pub(crate) fn output_gradient(&self) -> &Block {
         &self.views.output_gradient
     }
@@ -152,8 +152,9 @@ impl Passes {
         Ok(())
     }
 
-    /// Writes into `out` (`[E, n, columns]`, by columns) the loss's gradient with respect to some columns of the input,
-    /// those whose weights `weights` holds: rows of the first layer's weight matrix, `[E, columns, width]`.
+    /// Writes the loss's gradient with respect to some columns of the input into `out` (`[E, n, columns]`, by
+    /// columns). `weights` holds the weights of these columns: rows of the first layer's weight matrix, `[E,
+    /// columns, width]`.
     pub(crate) fn backward_input(
         &mut self,
         stack: &Stack,

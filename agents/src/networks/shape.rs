@@ -37,8 +37,8 @@ pub(super) struct Layer {
     pub(super) bias: usize,
 }
 
-/// Matrices start at multiples of 16 floats (a cache line), where the processor's wide loads are fastest. The gaps
-/// hold zeros, which no gradient reaches.
+/// Matrices start at multiples of 16 floats (a cache line), where the processor's wide loads are fastest. The
+/// gaps between them hold zeros and get no gradient.
 const ALIGNMENT: usize = 16;
 
 impl Shape {

@@ -1,4 +1,4 @@
-//! A look into tensors as plain slices, for loops that libtorch has no kernel for.
+//! Tensors as plain slices, for loops that libtorch has no kernel for.
 
 use tch::{Device, Kind, TchError, Tensor};
 
@@ -22,9 +22,9 @@ pub(crate) fn with_slices<const W: usize, const R: usize, T>(
             "tensors that are written must not share memory"
         );
     }
-    // SAFETY: each span is the memory of a contiguous f32 tensor on the CPU, which the borrowed tensor keeps alive
-    // for the length of the call. Written spans overlap nothing. Tensors are not Sync and this crate hands none of
-    // them out, so that nothing else touches the memory during the call.
+    // SAFETY: each span is the memory of a contiguous f32 tensor on the CPU, which the borrowed tensor keeps
+    // alive during the call. Written spans overlap nothing. Tensors are not Sync and this crate hands none of
+    // them out, so nothing else touches the memory during the call.
     let written = written.map(|(start, len)| unsafe { std::slice::from_raw_parts_mut(start, len) });
     let read = read.map(|(start, len)| unsafe { std::slice::from_raw_parts(start.cast_const(), len) });
     work(written, read)

@@ -1,4 +1,4 @@
-//! Networks under training: online parameters, their gradient and optimiser, and the targets that follow.
+//! Networks in training: online parameters, their gradient and optimiser, and the targets that follow.
 
 use envs::rng::Rng;
 use multiversion::multiversion;

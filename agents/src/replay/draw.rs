@@ -4,7 +4,8 @@ use envs::rng::Rng;
 use rand::Rng as _;
 use serde::{Deserialize, Serialize};
 
-/// Which achieved goals of its episode a transition can be relabelled with (Andrychowicz et al. 2017, section 4.5).
+/// Which achieved goals of its episode a transition can be relabelled with (Andrychowicz et al. 2017, section
+/// 4.5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HerStrategy {
@@ -54,8 +55,9 @@ pub(crate) struct Draw {
 }
 
 impl Draw {
-    /// Draws t uniformly and, with probability k/(k + 1), the index of an achieved goal. Every strategy takes as many
-    /// random numbers, so that it changes goals and not which transitions are drawn.
+    /// Draws t uniformly and, with probability k/(k + 1), the index of an achieved goal. All strategies take
+    /// the same number of random numbers, so that the choice of strategy changes goals but not which
+    /// transitions are drawn.
     pub(super) fn new(record: usize, horizon: usize, hindsight: Hindsight, rng: &mut Rng) -> Self {
         let step = rng.random_range(0..horizon);
         let relabel = rng.random::<f64>() < relabel_probability(hindsight.k);
@@ -81,7 +83,8 @@ fn final_index(horizon: usize) -> usize {
     horizon
 }
 
-/// 1 + ⌊u·H⌋ for u in [0, 1): uniform over what the episode's transitions achieved (HER, section 4.5, "episode").
+/// 1 + ⌊u·H⌋ for u in [0, 1): uniform over what the episode's transitions achieved (HER, section 4.5,
+/// "episode").
 fn episode_index(horizon: usize, u: f64) -> usize {
     1 + ((u * horizon as f64) as usize).min(horizon - 1)
 }

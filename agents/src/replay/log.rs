@@ -1,16 +1,17 @@
 //! The replay buffer on disk: every episode is appended once.
 //!
-//! The log is a folder of segments of [`SEGMENT`] episodes each, `episodes-K.bin` for the episodes from K·[`SEGMENT`] on. A
-//! segment is a header (magic, version, numbers per record, first episode) and then, per episode, its record in little-endian
-//! f32 with the CRC-32 of those bytes. A state that was saved with n episodes reads what the buffer then held, the last ones
-//! before n; what lies behind them was written later and is cut off.
+//! The log is a folder of segments of [`SEGMENT`] episodes each, `episodes-K.bin` for the episodes from
+//! K·[`SEGMENT`] on. A segment is a header (magic, version, numbers per record, first episode) and then, per
+//! episode, its record in little-endian f32 with the CRC-32 of those bytes. A student that was saved after n
+//! episodes reads back the last ones before the n-th, as many as its buffer held; everything after them was
+//! written later and is cut off.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::Replay;
-use crate::error::AgentError;
+use crate::error::{AgentError, LogProblem};
 
 const MAGIC: [u8; 4] = *b"GBRL";
 const VERSION: u32 = 1;
@@ -29,8 +30,8 @@ pub(crate) struct Log {
 }
 
 impl Log {
-    /// Appends what came into `replay` since the last call, and removes segments that neither this state nor the one
-    /// before needs. The first call of a run begins the log anew.
+    /// Appends what came into `replay` since the last call, and removes segments that neither this state nor
+    /// the one before needs. The first call of a run begins the log anew.
     ///
     /// # Errors
     /// [`AgentError::Log`] naming the file that cannot be written.
@@ -58,7 +59,8 @@ impl Log {
         Ok(())
     }
 
-    /// Fills the empty `replay` as it was when `stored` episodes had come in, and cuts off what was written later.
+    /// Fills the empty `replay` as it was when `stored` episodes had come in, and cuts off what was written
+    /// later.
     ///
     /// # Errors
     /// [`AgentError::Log`] naming the file that is missing, cut short, altered or of another task.
@@ -140,7 +142,7 @@ fn append_to_segment(replay: &Replay, folder: &Path, from: u64, to: u64) -> Resu
 
 fn load_from_segment(replay: &mut Replay, folder: &Path, from: u64, to: u64) -> Result<(), AgentError> {
     let path = segment_path(folder, from);
-    let damaged = |reason: String| AgentError::Log { path: path.clone(), reason };
+    let damaged = |what: String| AgentError::Log { path: path.clone(), problem: LogProblem::Damaged(what) };
     let mut file = File::open(&path).map_err(failed(&path))?;
     let mut start = vec![0; HEADER as usize];
     file.read_exact(&mut start).map_err(|_| damaged("is shorter than its header".into()))?;
@@ -179,7 +181,7 @@ fn cut_off(folder: &Path, stored: u64, record_bytes: u64) -> Result<(), AgentErr
 
 fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> AgentError {
     let path = path.to_owned();
-    move |error| AgentError::Log { path, reason: error.to_string() }
+    move |error| AgentError::Log { path, problem: LogProblem::Io(error) }
 }
 
 #[cfg(test)]

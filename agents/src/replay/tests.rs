@@ -50,8 +50,8 @@ impl GoalEnv for Equal {
     }
 }
 
-/// Episode number e in numbers that say where they belong: at step t the state is (e, t), the achieved goal 10·e + t,
-/// the action e + t/8; the goal asked for is −e.
+/// Episode number e in numbers that say where they belong: at step t the state is (e, t), the achieved goal
+/// 10·e + t, the action e + t/8; the goal asked for is −e.
 fn episode(number: usize) -> Episode {
     let e = number as f64;
     let (mut states, mut achieved, mut actions) = (Rows::new(2), Rows::new(1), Rows::new(1));

@@ -7,8 +7,8 @@ use envs::rng::{Purpose, stream};
 use crate::support::random_rows;
 use crate::toy::{Run, small};
 
-/// Bits of what a student of `seed` does and believes after some cycles: exploring actions, greedy actions and
-/// confidences.
+/// Bits of what a student of `seed` does and believes after some cycles: exploring actions, greedy actions
+/// and confidences.
 fn behaviour(seed: u64) -> Vec<u64> {
     let mut run = Run::trained(&small(), seed, 5);
     let mut rng = stream(99, Purpose::Pool);
@@ -35,7 +35,7 @@ fn a_seed_determines_every_bit() {
 #[test]
 fn another_seed_gives_another_student() {
     let (one, other) = (behaviour(3), behaviour(4));
-    // Exploration of both adds the same noise, so that a few actions agree where it replaces the policy's.
+    // Both explore with the same noise, so a few actions agree: those that it replaces by random ones.
     let same = one.iter().zip(&other).filter(|(a, b)| a == b).count();
     assert!(same < one.len() / 4, "{same} of {} numbers agree", one.len());
 }

@@ -80,7 +80,8 @@ fn every_preset_trains_with_every_noise() {
     }
 }
 
-/// A correlated process must start anew with every episode, or the first action depends on the episode before.
+/// A correlated process must start anew with every episode, or the first action depends on the episode
+/// before.
 #[test]
 fn exploration_starts_anew_with_the_episode() {
     let noise = NoiseConfig::ornstein_uhlenbeck(0.15, 0.2, 1.0);

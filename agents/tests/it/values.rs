@@ -45,9 +45,9 @@ fn confidence_is_the_mean_over_states() {
     }
 }
 
-/// With γ = 0 returns lie in [−1, 0]. An untrained critic answers with numbers on both sides of 0; after some cycles, in which
-/// most rewards are −1, with numbers on both sides of −1. Eq. 7 of TEACH has no clip: clipped values would be the same
-/// for many goals and hide what a teacher looks for.
+/// With γ = 0 returns lie in [−1, 0]. An untrained critic answers with numbers on both sides of 0, and after
+/// some cycles, in which most rewards are −1, with numbers on both sides of −1. TEACH's Eq. 7 does not clip:
+/// clipped values would be equal for many goals and would hide the differences that a teacher looks for.
 #[test]
 fn confidence_is_what_the_critic_says_also_where_no_return_lies() {
     for (cycles, bound) in [(0, 0.0), (20, -1.0)] {
@@ -68,7 +68,8 @@ fn the_target_critic_judges_the_online_policy() {
     let (states, goals) = questions(20);
     let mut ask = |network| agent.confidence(&goals, &only(states.row(0)), network).unwrap();
     let [online, target, mixed] = [Network::Online, Network::Target, Network::TargetCritic].map(&mut ask);
-    // The critics differ more than the actions do, so the answer is nearer to the target's than to the online networks'.
+    // The critics differ more than the actions do, so the answer is nearer to the target's than to the online
+    // networks'.
     assert!(largest_difference(&mixed, &online) > 1e-3, "another critic");
     assert!(largest_difference(&mixed, &target) > 1e-6, "another policy");
     assert_eq!(

@@ -31,9 +31,9 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "reward-sign",
         title: "the reward of relabelled transitions has the wrong sign",
-        file: "agents/src/replay.rs",
-        original: "batch.rewards[row] = env.reward(achieved, wanted) as f32;",
-        faulty: "let reward = env.reward(achieved, wanted) as f32;\n            \
+        file: "agents/src/replay/mod.rs",
+        original: "batch.rewards[row] = reward.reward(achieved, wanted) as f32;",
+        faulty: "let reward = reward.reward(achieved, wanted) as f32;\n            \
                  batch.rewards[row] = if draw.relabel.is_some() { -reward } else { reward };",
         shows: true,
     },
@@ -72,7 +72,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "noise-zero",
         title: "no exploration noise",
-        file: "agents/src/ddpg.rs",
+        file: "agents/src/ddpg/mod.rs",
         original: "            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),\n",
         faulty: "            Mode::Explore(_) => {}\n",
         shows: true,

@@ -20,7 +20,7 @@ use crate::value::ValueLearner;
 /// Rows that go through the networks at once when values are asked for.
 const CHUNK: usize = 1024;
 
-/// What an ensemble does not share with the student.
+/// The settings of an ensemble that differ from the student's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnsembleConfig {
     /// Number of value functions E, at least 1.
@@ -33,11 +33,40 @@ pub struct EnsembleConfig {
     pub polyak: f64,
 }
 
-/// E functions Q_e(s, g, a) with the student's critic as their architecture, each with its own initial weights, target
-/// network, optimiser and batches; they share one pair of normalisers.
+/// E functions Q_e(s, g, a) with the student's critic as their architecture, each with its own initial
+/// weights, target network, optimiser and batches; they share one pair of normalisers.
 ///
 /// A gradient step moves every member against its own mean (Q_e(s, g, a) − y_e)² with
-/// y_e = clip(r + γ·Q'_e(s', g, a'), −1/(1 − γ), 0); whose a' it is, is up to who fills the batch.
+/// y_e = clip(r + γ·Q'_e(s', g, a'), −1/(1 − γ), 0). The caller fills in the next actions a'
+/// ([`crate::Critic::label_next_actions`]).
+///
+/// ```
+/// use agents::{Batch, Ensemble, EnsembleConfig, StudentConfig};
+/// use envs::Rows;
+/// use envs::rng::{Purpose, stream};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// agents::prepare_thread();
+/// let env = envs::make("Point", &envs::Options::default())?;
+/// let spec = env.spec();
+/// let student = StudentConfig { width: 16, ..StudentConfig::default() };
+/// let config = EnsembleConfig { members: 3, batch: 8, lr: 1e-3, polyak: 0.95 };
+/// let mut ensemble = Ensemble::new(config, &student, spec, &mut stream(0, Purpose::Teacher))?;
+///
+/// // A teacher fills the batch from its student's replay buffer; here all of it is zeros.
+/// ensemble.update(&Batch::new(spec, ensemble.batch_len()))?;
+/// ensemble.follow()?;
+///
+/// let zeros = |width: usize| {
+///     let mut row = Rows::new(width);
+///     row.push(&vec![0.0; width]);
+///     row
+/// };
+/// let values = ensemble.values(&zeros(spec.state), &zeros(spec.goal), &zeros(spec.action))?;
+/// assert_eq!((values.len(), values.width()), (3, 1));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Ensemble {
     config: EnsembleConfig,
@@ -48,7 +77,7 @@ pub struct Ensemble {
     inputs: TransitionInputs,
     query: Query,
     steps: u64,
-    /// What the student says about its normalisers, these here included.
+    /// The student's config of normalisers, which holds for these too.
     normalizer: NormalizerConfig,
     /// Episodes that were offered to the normalisers.
     episodes: u64,
@@ -73,8 +102,8 @@ struct Saved<'a> {
 }
 
 impl Ensemble {
-    /// New value functions for the task `spec`, with width, depth, discount, normalisation and device of the student that
-    /// `student` describes, and initial weights from `rng`.
+    /// New value functions for the task `spec`, with width, depth, discount, normalisation and device of the
+    /// student that `student` describes, and initial weights from `rng`.
     ///
     /// # Errors
     /// [`AgentError::Config`] or [`AgentError::Device`].
@@ -125,8 +154,8 @@ impl Ensemble {
         self.steps
     }
 
-    /// Feeds the normalisers with the states and the goal of every transition of `episode`, if it is one of those that feed
-    /// the student's ([`NormalizerConfig::feed_episodes`]).
+    /// Feeds the normalisers with the states and the goal of every transition of `episode`, if it is one of
+    /// the episodes that feed the student's normalisers too ([`NormalizerConfig::feed_episodes`]).
     ///
     /// # Errors
     /// [`AgentError::Shape`] if the episode is of another task.
@@ -146,8 +175,8 @@ impl Ensemble {
         Ok(())
     }
 
-    /// One Adam step of every member: member e learns from transitions e·n to (e + 1)·n of `batch`, next actions included.
-    /// Returns the members' mean loss.
+    /// One Adam step of every member: member e learns from transitions e·n to (e + 1)·n of `batch`, next
+    /// actions included. Returns the members' mean loss.
     ///
     /// # Errors
     /// [`AgentError::Shape`] unless `batch` holds [`Ensemble::batch_len`] transitions of this task,
@@ -168,7 +197,7 @@ impl Ensemble {
         }
     }
 
-    /// Lets the target networks follow: the end of a cycle.
+    /// Moves the target networks towards the trained ones; to be called at the end of a cycle.
     ///
     /// # Errors
     /// [`AgentError::Diverged`] if a parameter is not finite.
@@ -181,8 +210,8 @@ impl Ensemble {
         }
     }
 
-    /// The online members' values, each clipped to `[−1/(1 − γ), 0]`: shape `[E, n]` for `states` (`[n, S]`), `goals`
-    /// (`[n, G]`) and `actions` (`[n, A]`), n at least 1.
+    /// The online members' values, each clipped to `[−1/(1 − γ), 0]`: shape `[E, n]` for `states` (`[n, S]`),
+    /// `goals` (`[n, G]`) and `actions` (`[n, A]`), n at least 1.
     ///
     /// # Errors
     /// [`AgentError::Shape`], or [`AgentError::NotFinite`] if a value is NaN.
@@ -208,7 +237,8 @@ impl Ensemble {
         Ok(all)
     }
 
-    /// Writes the values of `rows` triples of a state, a goal and an action to `values` (`[E][n]`) from `first` on.
+    /// Writes the values of `rows` triples of a state, a goal and an action to `values` (`[E][n]`) from
+    /// `first` on.
     fn ask<'a>(
         &mut self,
         triples: impl Iterator<Item = [&'a [f64]; 3]>,
@@ -258,8 +288,8 @@ impl Ensemble {
         postcard::to_stdvec(&saved).map_err(|error| AgentError::State { reason: error.to_string() })
     }
 
-    /// Takes back what [`Ensemble::save`] gave: going on gives the same bytes as never having stopped. Checksums are the
-    /// caller's, which has more to save.
+    /// Takes back what [`Ensemble::save`] gave: training on from here gives the same bytes as never having
+    /// stopped. The bytes hold no checksum; the caller, who saves more than this, adds one over all of it.
     ///
     /// # Errors
     /// [`AgentError::State`] if the bytes are not those of an ensemble of this shape.

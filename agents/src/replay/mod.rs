@@ -3,8 +3,8 @@
 //! Every episode is one block of f32: for each of its H + 1 steps the state, the achieved goal and the action
 //! side by side (the last action is unused), then the goal that was asked for. A transition thus reads two
 //! neighbouring steps, and states are stored once. That is 4·((H + 1)(S + G + A) + G) bytes per episode; for
-//! 1,000,000 transitions mazes take 25 MB, FetchReach 70 MB, the other Fetch tasks 131 MB, HandReach 401 MB and
-//! HandManipulate* 356 MB ([`Replay::capacity_bytes`]). Memory is taken as episodes come in.
+//! 1,000,000 transitions mazes take 25 MB, FetchReach 70 MB, the other Fetch tasks 131 MB, HandReach 401 MB
+//! and HandManipulate* 356 MB ([`Replay::capacity_bytes`]). Memory is taken as episodes come in.
 
 mod draw;
 mod log;
@@ -31,6 +31,37 @@ pub enum Source {
 }
 
 /// A ring of whole episodes: once full, a new episode takes the place of the oldest.
+///
+/// ```
+/// use agents::{Batch, Episode, Replay, Source, StudentConfig};
+/// use envs::Rows;
+/// use envs::rng::{Purpose, stream};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let env = envs::make("Point", &envs::Options::default())?;
+/// let spec = env.spec();
+/// let zeros = |rows: usize, width: usize| {
+///     let mut matrix = Rows::new(width);
+///     (0..rows).for_each(|_| matrix.push(&vec![0.0; width]));
+///     matrix
+/// };
+/// let mut replay = Replay::new(spec, 1000)?;
+/// replay.push(&Episode {
+///     states: zeros(spec.horizon + 1, spec.state),
+///     achieved: zeros(spec.horizon + 1, spec.goal),
+///     actions: zeros(spec.horizon, spec.action),
+///     goal: vec![0.5; spec.goal],
+///     success: false,
+/// })?;
+///
+/// let mut batch = Batch::new(spec, 64);
+/// let hindsight = StudentConfig::default().hindsight();
+/// replay.sample(Source::All, hindsight, env.as_ref(), &mut stream(0, Purpose::Replay), &mut batch)?;
+/// // The goal asked for was never reached; transitions that hindsight gave an achieved goal are successes.
+/// assert!(batch.rewards.contains(&0.0) && batch.rewards.contains(&-1.0));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug)]
 pub struct Replay {
     dims: Dims,
@@ -97,7 +128,8 @@ impl Replay {
         let record = self.next_record();
         let mut place = record.iter_mut();
         let mut write = |numbers: &[f64]| {
-            // Numbers first: a zip takes from its left side before it notices that its right side is at the end.
+            // Numbers on the left: a zip takes from its left side before it finds out that its right side has
+            // ended, and would lose a place.
             for (&number, place) in numbers.iter().zip(place.by_ref()) {
                 *place = number as f32;
             }
@@ -138,9 +170,9 @@ impl Replay {
 
     /// Fills `batch` with transitions drawn uniformly, with replacement, from `source`.
     ///
-    /// With probability k/(k + 1) a transition's goal is one achieved in its episode, which one is up to the strategy
-    /// (HER), else the one that was asked for. Rewards are `reward`'s for the achieved goal after the
-    /// transition. The next actions are left as they are. Nothing is allocated.
+    /// With probability k/(k + 1) a transition's goal is one that was achieved in its episode, chosen by the
+    /// strategy (HER), else the goal that was asked for. `reward` judges the goal achieved after the
+    /// transition. The next actions stay as they are. Nothing is allocated.
     ///
     /// # Errors
     /// [`AgentError::EmptyReplay`], or [`AgentError::Shape`] if `batch` is of another task.
@@ -156,7 +188,7 @@ impl Replay {
         if self.is_empty() {
             return Err(AgentError::EmptyReplay);
         }
-        // All draws first: the memory that they point at is then fetched for several transitions at once.
+        // All draws come first, so that the processor fetches the memory of several transitions at once.
         batch.draws.clear();
         for _ in 0..batch.len {
             let record = match source {
@@ -177,7 +209,7 @@ impl Replay {
         Ok(())
     }
 
-    /// Copies the drawn transition into row `row` of `batch`, its reward apart.
+    /// Copies the drawn transition, except its reward, into row `row` of `batch`.
     fn gather(&self, record: &[f32], draw: Draw, row: usize, batch: &mut Batch) {
         let Dims { state, goal, action } = self.dims;
         let step = &record[draw.step * self.step_len()..];

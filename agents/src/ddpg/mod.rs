@@ -1,31 +1,33 @@
 //! DDPG with hindsight experience replay.
 //!
-//! References: Lillicrap et al. 2016 ("Continuous control with deep reinforcement learning"), Andrychowicz et al. 2017
-//! ("Hindsight Experience Replay"), and the HER configuration of OpenAI Baselines, whose choices this follows where
-//! the papers are silent.
+//! References: Lillicrap et al. 2016 ("Continuous control with deep reinforcement learning"), Andrychowicz et
+//! al. 2017 ("Hindsight Experience Replay"), and the HER configuration of OpenAI Baselines, whose choices
+//! this follows where the papers are silent.
 //!
 //! # Deviations and choices
 //! Baselines is `openai/baselines` (commit ea25b9e, `baselines/her/`).
 //!
 //! - TEACH's Algorithm 2 updates the student after every environment step. Here it learns once per cycle, 40
 //!   gradient steps after two episodes, or 0.4 per environment step where H = 50 (Baselines' config).
-//! - A cycle's two episodes are played one after the other by one worker. Baselines plays them side by side (one,
-//!   unless `num_env` says 2), and its published results add up the gradients of 19 such workers.
-//! - Actor and critic gradients of one step are taken at the same parameters, then both are applied (Baselines).
+//! - A cycle's two episodes are played one after the other by one worker. Baselines plays them side by side
+//!   (one, unless `num_env` says 2), and its published results add up the gradients of 19 such workers.
+//! - Actor and critic gradients of one step are taken at the same parameters, then both are applied
+//!   (Baselines).
 //! - Target networks follow once per cycle (Baselines), or after every gradient step as in DDPG's paper
 //!   (`polyak_every`). TEACH's Eq. 12 has the rule, but neither its coefficient nor when it is applied.
-//! - An episode gives all of its H transitions, and success counts after its last step. Baselines drops the last
-//!   step: it keeps H − 1 transitions, and success counts one step earlier.
-//! - Normalisers start with a pseudo-observation of 0, as those of Baselines do (`normalizer.pseudo_observations`), and
-//!   take inputs as they are until the first episode feeds them.
-//! - Normalisers take in H transitions of an episode, drawn with replacement and relabelled, as soon as it ends, so
-//!   a cycle's second episode already sees them moved. Baselines draws from a cycle's episodes together, after
-//!   both.
-//! - Once the buffer is full, a new episode takes the place of the oldest; in Baselines that of one drawn at
-//!   random. Within the paper's budgets it never comes to that.
+//! - An episode gives all of its H transitions, and success is judged after its last step. Baselines drops
+//!   the last step: it keeps H − 1 transitions and judges success one step earlier.
+//! - Normalisers start with a pseudo-observation of 0, as those of Baselines do
+//!   (`normalizer.pseudo_observations`), and pass inputs through unchanged until the first episode feeds
+//!   them.
+//! - As soon as an episode ends, normalisers take in H of its transitions, drawn with replacement and
+//!   relabelled, so they have already moved when a cycle's second episode begins. Baselines draws from both
+//!   episodes of a cycle together, after the second.
+//! - Once the buffer is full, a new episode replaces the oldest one; in Baselines, one drawn at random.
+//!   Within the paper's budgets nothing is ever replaced.
 //! - Adam adds its ε after the bias correction (Kingma and Ba, algorithm 1), Baselines before it.
-//! - A fresh buffer learns from its first cycle on (Baselines), unless a warm-up of random actions is asked for
-//!   (`warmup_episodes`). The networks and their targets then stand still until it is over, the normalisers do not.
+//! - Learning starts with the first cycle (Baselines), unless a warm-up of random actions is asked for
+//!   (`warmup_episodes`). Until it is over, networks and targets stay as they are; normalisers move.
 
 mod infer;
 #[cfg(test)]
@@ -104,7 +106,7 @@ impl Ddpg {
         })
     }
 
-    /// Whether the episodes of the warm-up have yet to come in.
+    /// Whether some episodes of the warm-up have yet to come in.
     fn is_warming_up(&self) -> bool {
         self.replay.stored() < self.config.warmup_episodes
     }
@@ -186,7 +188,7 @@ impl Agent for Ddpg {
 
     fn observe(&mut self, episode: &Episode, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
         self.replay.push(episode)?;
-        // Drawn whether they are fed or not: which batches are drawn later does not hang on it.
+        // Drawn even if they are not fed, so that later batches do not depend on whether they were.
         self.replay.sample(Source::Newest, self.config.hindsight(), reward, rng, &mut self.fresh)?;
         if self.config.normalizer.feeds(self.replay.stored() - 1) {
             self.normalizers.state.update(&self.fresh.states);
