@@ -1,15 +1,18 @@
-//! Shared by the build scripts of the crates that link a native library (`#[path = "../ci/link.rs"] mod link;`).
+//! Shared by the build scripts of the crates that link a native library (`#[path = "../ci/link.rs"] mod
+//! link;`).
 //!
-//! Neither torch-sys nor mujoco-rs can set a run-time search path for the crates above it: cargo applies link arguments
-//! only to the package whose build script prints them. So each of those packages sets its own, absolute, and its
-//! binaries, tests, benches and examples start from any folder, whatever the target folder or `RUSTFLAGS`.
+//! Neither torch-sys nor mujoco-rs can set a run-time search path for the crates above it: cargo applies link
+//! arguments only to the package whose build script prints them. So each of those packages sets its own,
+//! absolute, and its binaries, tests, benches and examples start from any folder, whatever the target folder
+//! or `RUSTFLAGS`.
 
 use std::{env, path::Path};
 
-/// Makes what this package links find `library` at run time in the folder that the environment variable `variable` names.
+/// Lets this package's binaries find `library` at run time in the folder that the environment variable
+/// `variable` names.
 ///
-/// The path goes in as RUNPATH, which `LD_LIBRARY_PATH` overrides: another build of the same library can be tried
-/// without linking again. Fails the build with one line when the library is not there.
+/// The path goes in as RUNPATH, which `LD_LIBRARY_PATH` overrides: another build of the same library can be
+/// tried without linking again. Fails the build with one line when the library is not there.
 pub(crate) fn search_at_run_time(variable: &str, library: &str) {
     println!("cargo::rerun-if-env-changed={variable}");
     let Some(folder) = env::var_os(variable) else {
@@ -19,7 +22,8 @@ pub(crate) fn search_at_run_time(variable: &str, library: &str) {
         return;
     };
     let path = Path::new(&folder).join(library);
-    // A library that goes missing later must end in the line below, not in a loader's message at start.
+    // If the library goes missing later, the line below must say so, rather than the loader when a program
+    // starts.
     println!("cargo::rerun-if-changed={}", path.display());
     if !path.is_file() {
         println!("cargo::error=native libraries are missing (no {}): run `cargo setup`", path.display());

@@ -1,4 +1,4 @@
-//! Runs cargo and, through it, the program: both print for themselves.
+//! Runs cargo and, through it, goalbench. Both print to the terminal themselves.
 
 use std::{
     env,
@@ -75,7 +75,8 @@ fn goalbench(project: &Path, arguments: &[&OsStr]) -> Result<Code> {
     cargo(project, run.into_iter().chain(arguments.iter().copied()))
 }
 
-/// Runs cargo in the project folder and waits for it. Started in there, cargo reads the project's configuration.
+/// Runs cargo in the project folder and waits for it. Started in there, cargo reads the project's
+/// configuration.
 fn cargo<I>(project: &Path, arguments: I) -> Result<Code>
 where
     I: IntoIterator,

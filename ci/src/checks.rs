@@ -35,13 +35,13 @@ pub(crate) fn compiler() -> Result<()> {
     if status.success() { Ok(()) } else { Err(refused(status.to_string())) }
 }
 
-/// Kept free besides what is counted: folders, the stamp, pip's log.
+/// Spare room for what is not counted: folders, the stamp, pip's log.
 const SPARE_BYTES: u64 = 50_000_000;
 
-/// The most bytes that fetching `parts` one after another takes at any time.
+/// The most disk space in bytes that fetching `parts` one after another takes at any time.
 ///
-/// pip copies each wheel out of its temporary folder, so two copies of a part's wheels lie there; then the wheels and
-/// the unpacked part; then the part alone.
+/// For each part there are first two copies of its wheels, since pip copies them out of its temporary folder,
+/// then the wheels and the unpacked part, then the part alone.
 pub(crate) fn space_needed(parts: &[&Part]) -> u64 {
     let mut kept = 0;
     let mut most = 0;
@@ -59,7 +59,8 @@ pub(crate) fn space(needed: u64, folder: &Path) -> Result<()> {
     if free < needed { Err(Error::DiskFull { folder: folder.to_owned(), needed, free }) } else { Ok(()) }
 }
 
-/// The user's own folder for `part`, if its environment variable (`value`) names another one than set-up's own.
+/// The user's own folder for `part`, if its environment variable (`value`) names another one than set-up's
+/// own.
 ///
 /// # Errors
 /// When it is no absolute path or does not hold what it should.
@@ -79,7 +80,8 @@ pub(crate) fn own_folder(part: &Part, value: Option<PathBuf>, native: &Path) -> 
     Ok(Some(folder))
 }
 
-/// Whether `folder` is the one that set-up makes: cargo's configuration names it in the same variable.
+/// Whether `folder` is the one that set-up makes. Cargo's configuration names it in the variable that users
+/// set too.
 fn is_ours(folder: &Path, part: &Part, native: &Path) -> bool {
     let same_parent =
         |parent: &Path| parent == native || parent.canonicalize().ok() == native.canonicalize().ok();

@@ -10,7 +10,8 @@ pub(crate) fn step(task: &str, text: &str) {
     eprintln!("{task}: {text}");
 }
 
-/// Shows how far a download is, in place; nothing where standard error is no terminal.
+/// Shows how far a download is, on one line that is rewritten; prints nothing if standard error is no
+/// terminal.
 pub(crate) fn progress(done: u64, total: u64) {
     let mut terminal = io::stderr();
     if terminal.is_terminal() {
@@ -20,7 +21,7 @@ pub(crate) fn progress(done: u64, total: u64) {
     }
 }
 
-/// Takes the line of [`progress`] away.
+/// Removes the line of [`progress`].
 pub(crate) fn end_progress() {
     let mut terminal = io::stderr();
     if terminal.is_terminal() {

@@ -1,4 +1,5 @@
-//! What can go wrong, each in one line that says what to do.
+//! What can go wrong. An error and its causes make one line, which says what to do where something can be
+//! done.
 
 use std::{
     io,
@@ -42,13 +43,13 @@ pub(crate) enum Error {
         folder = folder.display()
     )]
     OwnIncomplete { variable: &'static str, folder: PathBuf, proof: &'static str, title: &'static str },
-    #[error("{wheel}: {source}", wheel = wheel.display())]
+    #[error("{wheel}", wheel = wheel.display())]
     Archive { wheel: PathBuf, source: zip::result::ZipError },
     #[error("{wheel}: refused, its entry {entry:?} is no plain file inside the archive's own folder", wheel = wheel.display())]
     UnsafeEntry { wheel: PathBuf, entry: String },
     #[error("{wheel}: holds no {entry}", wheel = wheel.display())]
     NoSuchEntry { wheel: PathBuf, entry: &'static str },
-    #[error("cannot {action} {path}: {source}", path = path.display())]
+    #[error("cannot {action} {path}", path = path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
     #[error("no fault `{name}`; there are {}", known.join(", "))]
     NoFault { name: String, known: Vec<&'static str> },
@@ -60,19 +61,49 @@ pub(crate) enum Error {
     Build { status: ExitStatus },
     #[error("the check neither passed nor failed ({status}): `goalbench regress check` says why")]
     Check { status: ExitStatus },
-    #[error("cannot start `{command}`: {source}")]
+    #[error("cannot start `{command}`")]
     Start { command: String, source: io::Error },
 }
 
 /// Shorthand of this program.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Says what was being done to which path when the system refused: `.map_err(doing("read", path))`.
+/// Wraps an I/O error with what was being done to which path: `.map_err(doing("read", path))`.
 pub(crate) fn doing(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Error {
     move |source| Error::Io { action, path: path.to_owned(), source }
 }
 
-/// Why a program did not start. For one that is not there, the system speaks of files.
+/// An error with its causes, outermost first.
+pub(crate) fn in_one_line(error: &dyn std::error::Error) -> String {
+    let mut line = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let text = error.to_string();
+        // Some libraries' errors already end in the text of their cause.
+        if !line.ends_with(&text) {
+            line = format!("{line}: {text}");
+        }
+        cause = error.source();
+    }
+    line
+}
+
+/// Why a program did not start. If it is not there, the system's own message would speak of a file.
 pub(crate) fn why_not_started(error: &io::Error) -> String {
     if error.kind() == io::ErrorKind::NotFound { "not found".to_owned() } else { error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_follow_their_error_on_the_same_line() {
+        let refused = io::Error::other("disk on fire");
+        let error = doing("read", Path::new("stamp.json"))(refused);
+        assert_eq!(in_one_line(&error), "cannot read stamp.json: disk on fire");
+        let source = zip::result::ZipError::Io(io::Error::other("disk on fire"));
+        let error = Error::Archive { wheel: "w.whl".into(), source };
+        assert_eq!(in_one_line(&error), "w.whl: i/o error: disk on fire", "said once");
+    }
 }

@@ -1,5 +1,5 @@
-//! Set-up, quickstart, selftest and planted faults of this workspace, behind the aliases `cargo setup`, `cargo quickstart`,
-//! `cargo selftest` and `cargo faults`.
+//! Set-up, quickstart, selftest and planted faults of this workspace, behind the aliases `cargo setup`,
+//! `cargo quickstart`, `cargo selftest` and `cargo faults`.
 
 #![allow(clippy::print_stderr, reason = "telling the user about each step is what this program is for")]
 
@@ -8,6 +8,8 @@ mod checks;
 mod console;
 mod error;
 mod faults;
+#[cfg(test)]
+mod house;
 mod pins;
 mod pip;
 mod setup;
@@ -36,9 +38,9 @@ struct Arguments {
 enum Task {
     /// Fetch libtorch, MuJoCo and the robot models into .native (about 0.6 GB to fetch, 0.5 GB kept).
     ///
-    /// Done once; later it only looks whether everything is there, and fetches anew what is missing, damaged or of
-    /// another version. A folder of your own, named in LIBTORCH, MUJOCO_DYNAMIC_LINK_DIR or GOALBENCH_ASSETS, is used
-    /// in place of a fetched one.
+    /// Done once; later it only looks whether everything is there, and fetches anew what is missing, damaged
+    /// or of another version. A folder of your own, named in LIBTORCH, MUJOCO_DYNAMIC_LINK_DIR or
+    /// GOALBENCH_ASSETS, is used in place of a fetched one.
     Setup {
         /// Also compare the hash of every file with that at unpacking.
         #[arg(long)]
@@ -50,8 +52,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Show that the regression gate works: plant known faults in a copy of the project, one at a time, and check each
-    /// faulty program against a baseline. Takes a build and a check per fault.
+    /// Show that the regression gate works: plant known faults in a copy of the project, one at a time, and
+    /// check each faulty program against a baseline. Takes a build and a check per fault.
     Faults {
         /// Which faults [default: all].
         #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -100,7 +102,7 @@ fn main() -> ExitCode {
     match run(Arguments::parse().task) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", error::in_one_line(&error));
             ExitCode::FAILURE
         }
     }

@@ -1,7 +1,8 @@
 //! The native parts of the project: which wheels they come from, pinned by hash, and what of them is kept.
 //!
-//! The versions belong together: tch 0.24 is written for torch 2.11.0, whose libtorch_cpu.so loads the CUDA 13.0 runtime
-//! and CUPTI even where there is no GPU; mujoco-rs 2.3.5 is written for MuJoCo 3.3.7. Sizes are in bytes.
+//! The versions belong together: tch 0.24 is written for torch 2.11.0, whose libtorch_cpu.so loads the CUDA
+//! 13.0 runtime and CUPTI even where there is no GPU; mujoco-rs 2.3.5 is written for MuJoCo 3.3.7. Sizes are
+//! in bytes.
 
 /// A file or folder of a wheel, and where it goes in the part's folder. Folders end in `/` on both sides.
 #[derive(Debug)]
@@ -19,7 +20,8 @@ const fn take(from: &'static str, to: &'static str) -> Take {
 pub(crate) struct Wheel {
     pub(crate) project: &'static str,
     pub(crate) version: &'static str,
-    /// Of the wheel file, in lower-case hexadecimal. One version has many wheels, with different libraries in them.
+    /// Hash of the wheel file, in lower-case hexadecimal. One version has many wheels with different
+    /// libraries.
     pub(crate) sha256: &'static str,
     pub(crate) bytes: u64,
     pub(crate) takes: &'static [Take],
@@ -42,7 +44,7 @@ pub(crate) struct Part {
     pub(crate) additions: &'static [Addition],
     /// What the unpacked files take on disk.
     pub(crate) unpacked_bytes: u64,
-    /// With this environment variable the user names a folder of their own, and nothing is fetched.
+    /// If this environment variable names a folder of the user's own, that is used and nothing is fetched.
     pub(crate) variable: &'static str,
     /// A file that any such folder holds.
     pub(crate) proof: &'static str,
@@ -54,7 +56,8 @@ impl Part {
         self.wheels.iter().map(|wheel| wheel.bytes).sum()
     }
 
-    /// Everything that decides what the folder holds, a line each. A folder made from other lines is out of date.
+    /// Everything that decides what the folder holds, one item per line. A folder made from other lines is
+    /// out of date.
     pub(crate) fn recipe(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for wheel in self.wheels {

@@ -26,7 +26,7 @@ pub(crate) fn require() -> Result<()> {
     Err(Error::Pip { reason: summary(&String::from_utf8_lossy(&output.stderr)) })
 }
 
-/// Fetches the wheels of `part` into the folder `wheels`. All that pip keeps for itself meanwhile lies below `scratch`.
+/// Fetches the wheels of `part` into the folder `wheels`. pip's temporary files lie below `scratch`.
 ///
 /// # Errors
 /// When pip fails, with its reason in one line.
@@ -87,7 +87,8 @@ fn requirements(wheels: &[Wheel]) -> String {
         .collect()
 }
 
-/// Why pip failed, in one line: that the index was out of reach if so, else its last error, else its last line.
+/// Why pip failed, in one line: that it could not reach the index, or else its last error, or else its last
+/// line.
 fn summary(stderr: &str) -> String {
     let lines = || stderr.lines().map(str::trim).filter(|line| !line.is_empty());
     let unreachable = lines().filter_map(|line| line.split_once("connection broken by '")).next_back();
@@ -97,7 +98,7 @@ fn summary(stderr: &str) -> String {
         let reason = rest.rsplit_once(">: ").map_or(rest, |(_, reason)| reason);
         return format!("no connection to the package index ({})", reason.trim_end_matches([')', '\'', '"']));
     }
-    // It follows an error that says why, and says less.
+    // "No matching distribution" follows an error that says more.
     let mut errors = lines().filter_map(|line| line.strip_prefix("ERROR: "));
     errors
         .rfind(|line| !line.starts_with("No matching distribution found"))
@@ -106,7 +107,7 @@ fn summary(stderr: &str) -> String {
         .to_owned()
 }
 
-/// Bytes of the files below a folder; files that vanish meanwhile count nothing.
+/// Bytes of the files below a folder. Files that vanish meanwhile count as nothing.
 fn size_of(folder: &Path) -> u64 {
     let Ok(entries) = fs::read_dir(folder) else { return 0 };
     entries

@@ -1,7 +1,8 @@
-//! The stamp of an unpacked part: what it was made from and every file in it, so that damage is found and named.
+//! The stamp of an unpacked part: what it was made from and every file in it, so that damage is found and
+//! named.
 //!
-//! The stamp lies in the folder that it describes and is written last, before the folder is renamed into place: a folder
-//! with a stamp is complete.
+//! The stamp lies in the folder that it describes and is written last, before the folder is renamed into
+//! place: a folder with a stamp is complete.
 
 use std::{
     collections::BTreeMap,
@@ -39,7 +40,7 @@ pub(crate) struct Stamp {
     pub(crate) links: BTreeMap<String, String>,
 }
 
-/// How closely a part is looked at.
+/// How closely a part is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Depth {
     /// Presence and size of every file.
@@ -48,7 +49,7 @@ pub(crate) enum Depth {
     Hashes,
 }
 
-/// What is found of a part.
+/// The state that a part was found in.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum State {
     Intact,
@@ -94,7 +95,7 @@ impl Stamp {
     }
 }
 
-/// What is wrong with a path that the system refused.
+/// Says why the system refused a path.
 fn trouble(path: &str, error: &io::Error) -> String {
     if error.kind() == ErrorKind::NotFound {
         format!("{path} is missing")
@@ -119,7 +120,7 @@ pub(crate) fn inspect(folder: &Path, part: &Part, depth: Depth) -> State {
     stamp.difference(folder, depth).map_or(State::Intact, State::Damaged)
 }
 
-/// Passes on what is written and hashes and counts it on the way.
+/// Passes on what is written, and hashes and counts it.
 pub(crate) struct HashingWriter<W> {
     inner: W,
     hasher: Sha256,

@@ -33,8 +33,8 @@ fn stays_inside(entry: &str) -> bool {
 /// Unpacks what `takes` name of `wheel` into `folder` and records each file in `stamp`.
 ///
 /// # Errors
-/// When any entry of the archive, wanted or not, would leave the folder; when a wanted one is a link or damaged; when
-/// one of `takes` names nothing in the archive.
+/// If any entry of the archive, wanted or not, would leave the folder; if a wanted one is a link or damaged;
+/// if one of `takes` names nothing in the archive.
 pub(crate) fn unpack(wheel: &Path, takes: &[Take], folder: &Path, stamp: &mut Stamp) -> Result<()> {
     let file = File::open(wheel).map_err(doing("open", wheel))?;
     let broken = |source| Error::Archive { wheel: wheel.to_owned(), source };

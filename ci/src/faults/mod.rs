@@ -1,5 +1,5 @@
-//! Shows that the regression gate works: plants known faults in a copy of the project, one at a time, and checks the faulty
-//! program against the committed baseline.
+//! Shows that the regression gate works: plants known faults in a copy of the project, one at a time, and
+//! checks each faulty program against the committed baseline.
 
 mod scratch;
 mod table;
@@ -20,7 +20,7 @@ use crate::{
 use scratch::Scratch;
 use table::{FAULTS, Fault};
 
-/// Exit code of a check in which something fell.
+/// Exit code of a check that found something worse than before.
 const FELL: i32 = 1;
 
 /// What came of one check.
@@ -30,13 +30,13 @@ enum Outcome {
     Caught,
 }
 
-/// Checks the program with each of `names` (all, if none are given) planted, and first without any fault, against the file
-/// `baseline`; `extra` are further options for `goalbench regress check`. The code is 1 unless the sound program passes and
-/// every fault that shows at the baseline's budget is caught.
+/// Checks the program against the file `baseline`, first without any fault and then with each fault of
+/// `names` (all, if none are given); `extra` are further options for `goalbench regress check`. The code is 0
+/// if the sound program passes and every fault that shows at the baseline's budget is caught, else 1.
 pub(crate) fn faults(project: &Path, baseline: &Path, names: &[String], extra: &[OsString]) -> Result<Code> {
     let chosen = choose(names)?;
     let built = env::var_os("CARGO_TARGET_DIR").map_or_else(|| project.join("target"), PathBuf::from);
-    // On the file system of what is linked.
+    // On the same file system as the build folder, so that files can be linked.
     let home = tempfile::Builder::new()
         .prefix("faults-")
         .tempdir_in(&built)

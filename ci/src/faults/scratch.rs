@@ -8,7 +8,7 @@ use std::{
 
 use crate::error::{Error, Result, doing};
 
-/// What a build of third-party crates has left below `target/release`.
+/// The folders below `target/release` in which a build of third-party crates lies.
 const BUILT: [&str; 3] = [".fingerprint", "build", "deps"];
 
 /// The copy. The project itself is never touched.
@@ -21,8 +21,9 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// Copies what git tracks of `project`, as it stands now, below `folder`. Third-party crates that are built in the
-    /// project's build folder `built` are linked into the copy's, so that only the workspace's own are built anew.
+    /// Copies the files of `project` that git tracks, as they are now, into `folder`. Third-party crates are
+    /// linked from the project's build folder `built` into the copy's, so that only the workspace's own
+    /// crates are built again.
     pub(crate) fn make(project: &Path, built: &Path, folder: &Path) -> Result<Self> {
         let scratch = Self { tree: folder.join("tree"), target: folder.join("build") };
         for path in tracked(project)? {
@@ -44,7 +45,7 @@ impl Scratch {
         Ok(scratch)
     }
 
-    /// Replaces the text `from`, which must stand once in `file`, by `to`; gives what the file held.
+    /// Replaces the text `from`, which must occur once in `file`, by `to`. Returns the file's former text.
     pub(crate) fn replace(&self, file: &str, from: &str, to: &str) -> Result<String> {
         let path = self.tree.join(file);
         let text = fs::read_to_string(&path).map_err(doing("read", &path))?;
@@ -78,8 +79,8 @@ fn tracked(project: &Path) -> Result<Vec<PathBuf>> {
     Ok(names.map(|name| PathBuf::from(String::from_utf8_lossy(name).into_owned())).collect())
 }
 
-/// Links every file below `from` to the same place below `to`. Compilers replace files and do not write into them, so that
-/// neither side sees what the other builds.
+/// Links every file below `from` to the same place below `to`. Compilers replace files rather than write into
+/// them, so neither side sees what the other builds.
 fn link_all(from: &Path, to: &Path) -> Result<()> {
     fs::create_dir_all(to).map_err(doing("create", to))?;
     for entry in fs::read_dir(from).map_err(doing("read", from))? {

@@ -5,16 +5,16 @@
 pub(crate) struct Fault {
     /// What the command line calls it.
     pub(crate) name: &'static str,
-    /// What is wrong then.
+    /// What is wrong with the faulty program.
     pub(crate) title: &'static str,
     /// The file, from the project folder.
     pub(crate) file: &'static str,
-    /// What stands there, exactly once.
+    /// The text that it replaces, which occurs there exactly once.
     pub(crate) original: &'static str,
-    /// What is planted in its place.
+    /// The text that replaces it.
     pub(crate) faulty: &'static str,
-    /// Whether it shows in success rates or teachers at the budget of the committed baseline. What does not still changes
-    /// bytes, which `--exact` sees.
+    /// Whether it shows in success rates or teachers at the budget of the committed baseline. A fault that
+    /// does not show still changes bytes, which `--exact` sees.
     pub(crate) shows: bool,
 }
 

@@ -1,8 +1,9 @@
-//! Brings the native parts into `.native`: each fetched, checked, unpacked beside its place and renamed into it.
+//! Brings the native parts into `.native`: each fetched, checked, unpacked beside its place and renamed into
+//! it.
 //!
-//! However it ends, also killed, every part is afterwards the old one, the new one or absent, never half of one: the
-//! only change to a part's folder is a rename. What a killed set-up leaves lies in folders of its own, which the next
-//! one removes.
+//! However set-up ends, even if it is killed, every part is afterwards the old one, the new one or absent,
+//! and never half of one: the only change to a part's folder is a rename. A killed set-up leaves only folders
+//! of its own, which the next one removes.
 
 use std::{
     env,
@@ -22,17 +23,18 @@ use crate::{
     unpack,
 };
 
-/// Begins the names of the folders that set-up works in.
+/// Prefix of the folders that set-up works in.
 const WORK_PREFIX: &str = "tmp-";
 
-/// Begins the lines that set-up prints.
+/// Prefix of the lines that set-up prints.
 const TASK: &str = "set-up";
 
-/// Brings every part of the project below `native` into order: fetches what is missing, damaged or of other pins.
+/// Puts every part of the project below `native` in order: fetches the parts that are missing, damaged or of
+/// other pins.
 ///
 /// # Errors
-/// When something needed is not there (see [`checks`]), or when fetching or unpacking fails. Parts that were brought in
-/// before stay.
+/// If something needed is not there (see [`checks`]), or if fetching or unpacking fails. Parts that were
+/// fetched before the failure stay.
 pub(crate) fn set_up(native: &Path, depth: Depth) -> Result<()> {
     checks::platform()?;
     checks::compiler()?;
@@ -61,7 +63,7 @@ fn say(part: &Part, text: &str) {
     step(TASK, &format!("{}: {text}", part.title));
 }
 
-/// Looks at a part and says what is found.
+/// Whether a part is complete; prints what was found.
 fn is_intact(part: &Part, native: &Path, depth: Depth) -> bool {
     let found = inspect(&native.join(part.name), part, depth);
     match &found {
@@ -74,8 +76,8 @@ fn is_intact(part: &Part, native: &Path, depth: Depth) -> bool {
     found == State::Intact
 }
 
-/// Fetches one part with `fetch`, which is given the part, the folder for its wheels and one to work in, and puts it in
-/// place of what was there.
+/// Fetches one part with `fetch`, which is given the part, the folder for its wheels and one to work in, and
+/// puts it in place of what was there.
 fn bring(part: &Part, native: &Path, fetch: impl FnOnce(&Part, &Path, &Path) -> Result<()>) -> Result<()> {
     let work = tempfile::Builder::new().prefix(WORK_PREFIX).tempdir_in(native);
     let work = work.map_err(doing("create a folder in", native))?;
@@ -98,7 +100,7 @@ fn bring(part: &Part, native: &Path, fetch: impl FnOnce(&Part, &Path, &Path) -> 
     Ok(())
 }
 
-/// Makes the folder of a part, stamp and all, out of the wheels in `wheels`, each of which has to be a pinned one.
+/// Makes the folder of a part, including its stamp, from the pinned wheels in `wheels`.
 fn make(part: &Part, wheels: &Path, folder: &Path) -> Result<()> {
     let brought = hashes(wheels)?;
     let mut stamp = Stamp { recipe: part.recipe(), ..Stamp::default() };
@@ -121,7 +123,7 @@ fn hashes(folder: &Path) -> Result<Vec<(PathBuf, String)>> {
         .collect()
 }
 
-/// The file that is the pinned wheel. Told by its hash: pip's own check and the file's name are not relied on.
+/// The file that is the pinned wheel, recognised by its hash and not by its name.
 fn pinned<'a>(wheel: &Wheel, brought: &'a [(PathBuf, String)]) -> Result<&'a Path> {
     let found = brought.iter().find(|(_, hash)| hash == wheel.sha256);
     found.map(|(path, _)| path.as_path()).ok_or_else(|| Error::WrongWheel {
@@ -139,7 +141,7 @@ fn swap(new: &Path, old: &Path, aside: &Path) -> Result<()> {
         _ => (),
     }
     fs::rename(new, old).map_err(|error| {
-        // Back to what was there; when that fails as well, the first error is the one to tell.
+        // Restores the old part. If that fails too, the first error is still the one to report.
         let _ = fs::rename(aside, old);
         doing("put in place", old)(error)
     })
@@ -160,7 +162,8 @@ fn lock(native: &Path) -> Result<File> {
     Ok(file)
 }
 
-/// Removes what killed set-ups left. Needs the lock: the folders of a running one look the same.
+/// Removes what killed set-ups left. The caller must hold the lock: the folders of a running set-up look the
+/// same.
 fn remove_leftovers(native: &Path) -> Result<()> {
     for entry in fs::read_dir(native).map_err(doing("read", native))? {
         let entry = entry.map_err(doing("read", native))?;

@@ -1,4 +1,4 @@
-//! Set-up of a small part made here, with a copy in pip's place.
+//! Set-up of a small part made for the test; a file copy takes pip's place.
 
 use std::{
     io::Write,
@@ -67,7 +67,7 @@ fn copy(wheel: &Path, wheels: &Path) -> Result<()> {
     fs::copy(wheel, wheels.join(WHEEL)).map(drop).map_err(doing("copy", wheel))
 }
 
-/// The pins are `'static`, those of a wheel made at run time are leaked.
+/// A part that pins the wheel with this hash. Pins are `'static`, so this one is leaked.
 fn part(sha256: String) -> Part {
     let takes: &'static [Take] = &[Take { from: "a/", to: "" }];
     let wheel = Wheel { project: "w", version: "1", sha256: sha256.leak(), bytes: 1, takes };
@@ -156,7 +156,7 @@ fn a_swap_that_fails_half_way_puts_the_old_part_back() {
     assert_eq!(fs::read_to_string(path("old")).unwrap(), "old");
 }
 
-/// Where the process that is to be killed works; set, the test below is that process.
+/// Names the folder of the process that is to be killed. If it is set, the test below is that process.
 const KILLED: &str = "XTASK_TEST_KILLED_IN";
 
 #[test]
@@ -164,7 +164,7 @@ fn killed_while_fetching_leaves_the_old_part_and_the_next_set_up_cleans_up() {
     if let Some(native) = env::var_os(KILLED) {
         let abort = |_: &Part, wheels: &Path, _: &Path| {
             fs::write(wheels.join("half.whl"), "half").unwrap();
-            // Runs no destructor, as a kill.
+            // Like a kill, this runs no destructor.
             process::abort()
         };
         bring(&part(String::new()), Path::new(&native), abort).unwrap();
