@@ -83,3 +83,14 @@ impl StoreError {
         matches!(self, Self::Io { source, .. } if source.kind() != io::ErrorKind::InvalidData)
     }
 }
+
+/// For readers that deal with I/O errors: damaged data is [`InvalidData`](io::ErrorKind::InvalidData).
+impl From<StoreError> for io::Error {
+    fn from(error: StoreError) -> Self {
+        let kind = match &error {
+            StoreError::Io { source, .. } => source.kind(),
+            _ => io::ErrorKind::InvalidData,
+        };
+        Self::new(kind, error)
+    }
+}
