@@ -1,6 +1,13 @@
 //! What a user can run into, worded for them.
+//!
+//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error says its own part
+//! alone: what caused it is its [`source`](std::error::Error::source), and [`chain`] puts both together for people.
 
+use std::error::Error;
 use std::path::PathBuf;
+
+use reports::gate::GateError;
+use reports::store::StoreError;
 
 use crate::suggest::hint;
 
@@ -89,7 +96,7 @@ pub enum HarnessError {
         reason: String,
     },
     /// A file operation failed.
-    #[error("{path}: cannot {action}: {source}")]
+    #[error("{path}: cannot {action}")]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -97,6 +104,20 @@ pub enum HarnessError {
         action: &'static str,
         /// Why it failed.
         source: std::io::Error,
+    },
+    /// A file of a run that cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Runs that the regression gate cannot compare.
+    #[error(transparent)]
+    Gate(GateError),
+    /// Options with which the regression gate would be none.
+    #[error("{option}")]
+    GateOption {
+        /// The options.
+        option: &'static str,
+        /// What is wrong with them.
+        source: GateError,
     },
     /// The report could not be made.
     #[error(transparent)]
@@ -127,6 +148,7 @@ impl HarnessError {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
+            Self::Store(error) => error.is_transient(),
             Self::Machine { .. } => true,
             _ => false,
         }
@@ -147,4 +169,32 @@ impl HarnessError {
         let path = path.into();
         move |source| Self::Io { path, action, source }
     }
+}
+
+impl From<GateError> for HarnessError {
+    fn from(source: GateError) -> Self {
+        match source {
+            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => {
+                Self::GateOption { option: "--seeds", source }
+            }
+            GateError::Draws { .. } => Self::GateOption { option: "--now, --before, --draws", source },
+            error => Self::Gate(error),
+        }
+    }
+}
+
+/// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`. A cause whose
+/// first line the text ends with already is not repeated.
+pub fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let told = error.to_string();
+        if !text.ends_with(told.lines().next().unwrap_or_default()) {
+            text += ": ";
+            text += &told;
+        }
+        cause = error.source();
+    }
+    text
 }

@@ -17,7 +17,6 @@ pub mod protocol;
 mod registry;
 pub mod regress;
 pub mod run;
-mod sha256;
 pub mod status;
 pub mod suggest;
 pub mod tracking;

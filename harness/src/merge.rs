@@ -5,14 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::schema::{Manifest, Outcome};
-use reports::store::layout;
+use reports::store::{Results, RunFolder, layout};
 
 use crate::error::HarnessError;
 use crate::executor::is_locked;
-use crate::run::checkpoint::{CHECKPOINT, REPLAY};
-use crate::run::folder::{self, CHECKSUMS};
-use crate::status::find_runs;
-use crate::tracking::EVENTS;
+use crate::run::folder;
 
 /// What a merge did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,8 +21,8 @@ pub struct Merged {
 }
 
 /// A run in one of the sources.
-struct Found {
-    folder: PathBuf,
+struct Candidate {
+    folder: RunFolder,
     manifest: Manifest,
     records: Vec<u8>,
     outcome: Option<Outcome>,
@@ -44,17 +41,17 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
         let reason = format!("{} exists already; name a new folder", out.display());
         return Err(HarnessError::Argument { option: "--out", reason });
     }
-    let mut chosen: BTreeMap<String, Found> = BTreeMap::new();
+    let mut chosen: BTreeMap<String, Candidate> = BTreeMap::new();
     let mut conflicts = Vec::new();
     let mut shared = 0;
     for source in sources {
-        let folders = find_runs(source)?;
+        let folders = Results::new(source).runs()?;
         if folders.is_empty() {
             let path = layout::runs_dir(source);
             return Err(HarnessError::Damaged { path, reason: "holds no runs".into() });
         }
         for folder in folders {
-            let found = read(source, folder)?;
+            let found = read(folder)?;
             let id = found.manifest.run.to_string();
             let Some(other) = chosen.get(&id) else {
                 chosen.insert(id, found);
@@ -77,28 +74,20 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     Ok(Merged { runs: chosen.len(), shared })
 }
 
-fn read(source: &Path, folder: PathBuf) -> Result<Found, HarnessError> {
-    let (manifest, _) = folder::read_manifest(&folder)?;
-    if folder != layout::run_dir(source, &manifest.run) {
-        let reason = format!("belongs to the run {}, which does not lie here", manifest.run);
-        return Err(HarnessError::Damaged { path: folder.join(layout::MANIFEST), reason });
-    }
-    if is_locked(&folder) {
+fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
+    let (manifest, _) = folder::read_manifest(folder.path())?;
+    folder.check_place(&manifest)?;
+    if is_locked(folder.path()) {
         // Its files do not stay together while they are copied.
-        return Err(HarnessError::Locked { folder });
+        return Err(HarnessError::Locked { folder: folder.path().to_owned() });
     }
-    let records = folder.join(layout::RECORDS);
-    let records = if records.exists() {
-        fs::read(&records).map_err(HarnessError::io(&records, "read this file"))?
-    } else {
-        Vec::new()
-    };
-    let outcome = folder::outcome(&folder, &manifest)?;
-    Ok(Found { folder, manifest, records, outcome })
+    let records = folder.bytes(layout::RECORDS)?.unwrap_or_default();
+    let outcome = folder::outcome(folder.path(), &manifest)?;
+    Ok(Candidate { folder, manifest, records, outcome })
 }
 
-fn conflict(a: &Found, b: &Found) -> Option<String> {
-    let both = format!("{} and {}", a.folder.display(), b.folder.display());
+fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
+    let both = format!("{} and {}", a.folder.path().display(), b.folder.path().display());
     if a.manifest.hash != b.manifest.hash {
         return Some(format!("{both} have different configs"));
     }
@@ -113,8 +102,8 @@ fn conflict(a: &Found, b: &Found) -> Option<String> {
 }
 
 /// Further is who has finished, then who has recorded more, then who has failed there.
-fn is_further(a: &Found, b: &Found) -> bool {
-    let rank = |found: &Found| {
+fn is_further(a: &Candidate, b: &Candidate) -> bool {
+    let rank = |found: &Candidate| {
         let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));
         (finished, found.records.len(), found.outcome.is_some())
     };
@@ -122,7 +111,7 @@ fn is_further(a: &Found, b: &Found) -> bool {
 }
 
 /// Copies into a temporary neighbour of `out`, then renames it.
-fn copy_all(runs: &BTreeMap<String, Found>, out: &Path) -> Result<(), HarnessError> {
+fn copy_all(runs: &BTreeMap<String, Candidate>, out: &Path) -> Result<(), HarnessError> {
     let parent = match out.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -134,41 +123,10 @@ fn copy_all(runs: &BTreeMap<String, Found>, out: &Path) -> Result<(), HarnessErr
         .tempdir_in(parent)
         .map_err(HarnessError::io(parent, "write in this folder"))?;
     for found in runs.values() {
-        copy_folder(&found.folder, &layout::run_dir(fresh.path(), &found.manifest.run))?;
+        found.folder.copy_to(&layout::run_dir(fresh.path(), &found.manifest.run))?;
     }
     fs::rename(fresh.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
     // Renamed away: there is nothing left for the guard to remove.
     let _ = fresh.keep();
-    Ok(())
-}
-
-/// Copies a run's folder: its files, and its replay log if it has one.
-fn copy_folder(from: &Path, to: &Path) -> Result<(), HarnessError> {
-    fs::create_dir_all(to).map_err(HarnessError::io(to, "create this folder"))?;
-    let files = [
-        layout::MANIFEST,
-        layout::RECORDS,
-        layout::TEACHING,
-        layout::TIMING,
-        layout::OUTCOME,
-        CHECKSUMS,
-        layout::CRASHES,
-        layout::WORKER_LOG,
-        CHECKPOINT,
-        EVENTS,
-    ];
-    for name in files.iter().filter(|name| from.join(name).exists()) {
-        let path = from.join(name);
-        fs::copy(&path, to.join(name)).map_err(HarnessError::io(path, "copy this file"))?;
-    }
-    let replay = from.join(REPLAY);
-    if replay.exists() {
-        fs::create_dir_all(to.join(REPLAY)).map_err(HarnessError::io(to, "create this folder"))?;
-        let unreadable = || HarnessError::io(&replay, "copy this folder");
-        for entry in fs::read_dir(&replay).map_err(unreadable())? {
-            let entry = entry.map_err(unreadable())?;
-            fs::copy(entry.path(), to.join(REPLAY).join(entry.file_name())).map_err(unreadable())?;
-        }
-    }
     Ok(())
 }

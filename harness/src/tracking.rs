@@ -1,30 +1,29 @@
 //! TensorBoard event files, written on request beside a run's records.
 //!
-//! The file holds nothing that the records do not: it is written anew from them whenever a worker begins, then grows with
-//! every evaluation. Its format is TensorFlow's: framed records ([TFRecord]), each an `Event` message of `event.proto`.
+//! The file holds nothing that the records do not, but for when the run began: it is written anew from them whenever a
+//! worker begins, then grows with every evaluation. Its format is TensorFlow's: framed records ([TFRecord]), each an
+//! `Event` message of `event.proto`.
 //!
 //! [TFRecord]: https://www.tensorflow.org/tutorials/load_data/tfrecord
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use protobuf::CodedOutputStream;
 use reports::schema::{Record, Teaching, Timing};
-use reports::store::layout;
-use serde::de::DeserializeOwned;
+use reports::store::RunFolder;
+pub use reports::store::layout::EVENTS;
 
 use crate::run::folder::new_file;
-
-/// Name of the event file in a run's folder; TensorBoard takes files whose names hold `tfevents`.
-pub const EVENTS: &str = "events.out.tfevents.goalbench";
 
 /// A run's event file, open for more.
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// When the run began, in seconds since 1970, pauses between attempts left out.
+    /// When the run began, in seconds since 1970, pauses between attempts left out. As the first file of the run says; that
+    /// takes the run to be going on while it is written.
     begun: f64,
 }
 
@@ -34,20 +33,17 @@ impl EventFile {
     /// # Errors
     /// If the records cannot be read or the file cannot be written.
     pub fn rewrite(folder: &Path) -> std::io::Result<Self> {
-        let records: Vec<Record> = lines(&folder.join(layout::RECORDS))?;
-        let teaching: Vec<Teaching> = lines(&folder.join(layout::TEACHING))?;
-        let timing_path = folder.join(layout::TIMING);
-        let timing: Vec<Timing> = lines(&timing_path)?;
-        let ended = fs::metadata(&timing_path)?.modified()?;
-        let ended = ended.duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
-        let begun = ended - timing.last().map_or(0.0, |timing| timing.wall_s);
+        let run = RunFolder::new(folder);
+        let (records, teaching, timing) = (run.records()?, run.teaching()?, run.timings()?);
+        let noted = run.bytes(EVENTS)?.as_deref().and_then(noted_beginning);
+        let begun = noted.unwrap_or_else(|| now() - timing.last().map_or(0.0, |timing| timing.wall_s));
 
         let mut file = new_file(folder)?;
         file.write_all(&framed(&version_event(begun)))?;
         for ((record, teaching), timing) in records.iter().zip(&teaching).zip(&timing) {
             file.write_all(&framed(&scalars_event(begun, record, teaching, timing)))?;
         }
-        let path = folder.join(EVENTS);
+        let path = run.file(EVENTS);
         let file = file.persist(&path)?;
         Ok(Self { path, file, begun })
     }
@@ -62,18 +58,6 @@ impl EventFile {
             .write_all(&event)
             .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display())))
     }
-}
-
-/// Every line of a file, read strictly.
-fn lines<T: DeserializeOwned>(path: &Path) -> std::io::Result<Vec<T>> {
-    let text = fs::read_to_string(path)?;
-    let read = |(number, line): (usize, &str)| {
-        serde_json::from_str(line).map_err(|error| {
-            let reason = format!("{}:{}: {error}", path.display(), number + 1);
-            std::io::Error::new(std::io::ErrorKind::InvalidData, reason)
-        })
-    };
-    text.lines().enumerate().map(read).collect()
 }
 
 /// What is shown of an evaluation, by tag. Numbers that are not defined yet are left out.
@@ -111,6 +95,19 @@ fn version_event(begun: f64) -> Vec<u8> {
         out.write_double(EVENT_WALL_TIME, begun)?;
         out.write_string(EVENT_FILE_VERSION, "brain.Event:2")
     })
+}
+
+/// When the run of an event file began, from the file's first event.
+fn noted_beginning(file: &[u8]) -> Option<f64> {
+    // Length, its checksum, the field's tag.
+    const PLACE: usize = 8 + 4 + 1;
+    let begun = f64::from_le_bytes(file.get(PLACE..PLACE + 8)?.try_into().ok()?);
+    file.starts_with(&framed(&version_event(begun))).then_some(begun)
+}
+
+/// Seconds since 1970.
+fn now() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
 }
 
 fn scalars_event(begun: f64, record: &Record, teaching: &Teaching, timing: &Timing) -> Vec<u8> {
@@ -167,5 +164,14 @@ mod tests {
         let expected = "1800000000000000a37f4b2209000000000000f03f1a0d627261696e2e4576656e743a3286bf577a";
         let written: String = framed(&version_event(1.0)).iter().map(|byte| format!("{byte:02x}")).collect();
         assert_eq!(written, expected);
+    }
+
+    #[test]
+    fn a_file_tells_when_its_run_began() {
+        let mut file = framed(&version_event(1.7e9));
+        assert_eq!(noted_beginning(&file), Some(1.7e9));
+        file[14] ^= 1;
+        assert_eq!(noted_beginning(&file), None, "its checksum is wrong");
+        assert_eq!(noted_beginning(&file[..10]), None);
     }
 }

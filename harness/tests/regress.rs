@@ -230,14 +230,14 @@ fn false_alarms_are_counted_the_same_way_every_time() {
 fn the_committed_baseline_is_one_that_this_program_takes() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("baselines/gate.json");
     let registry = goalbench::Registry::builtin();
-    let baseline = goalbench::regress::Baseline::read(&path).expect("a baseline");
-    let protocol = baseline.protocol(&path, &registry).expect("a protocol");
+    let baseline = reports::gate::Baseline::read(&path).expect("a baseline");
+    let protocol = goalbench::regress::protocol(&baseline, &path, &registry).expect("a protocol");
     let plan = goalbench::protocol::plan::Plan::new(&protocol, &registry).expect("a plan");
-    let cells = baseline.cells_of(&plan, &path).expect("the same config");
+    let cells = baseline.cells_of(&goalbench::regress::expected(&plan), &path).expect("the same config");
     assert_eq!(cells.len(), 4 * 6, "MazeA, MazeB, MazeC, FetchReach by every curriculum");
     for name in ["MazeA", "MazeB", "MazeC", "FetchReach"] {
         for curriculum in registry.curricula() {
-            let is_it = |cell: &&goalbench::regress::cells::Cell| {
+            let is_it = |cell: &&reports::gate::cells::Cell| {
                 cell.environment == name && cell.curriculum == curriculum.id
             };
             assert!(cells.iter().any(|cell| is_it(&cell)), "{name}/{}", curriculum.id);

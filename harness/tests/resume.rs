@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use reports::store::layout;
+use reports::store::{Results, layout};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, toy, toy_args};
 
@@ -32,10 +32,10 @@ const LONGER: [&str; 12] = [
 
 /// What every run recorded, the clock apart, by path.
 fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let runs = goalbench::status::find_runs(folder).expect("a results folder");
+    let runs = Results::new(folder).runs().expect("a results folder");
     let files = runs
         .iter()
-        .flat_map(|run| [layout::RECORDS, layout::TEACHING, layout::OUTCOME].map(|name| run.join(name)));
+        .flat_map(|run| [layout::RECORDS, layout::TEACHING, layout::OUTCOME].map(|name| run.file(name)));
     files
         .map(|path| {
             let bytes = fs::read(&path).expect("every run has ended");

@@ -21,6 +21,7 @@ pub mod deviations;
 pub mod dictionary;
 pub mod environment;
 pub mod error;
+pub mod gate;
 pub mod methods;
 pub mod paper;
 pub mod render;

@@ -12,7 +12,8 @@ use std::time::{Duration, Instant};
 use agents::AgentError;
 use curricula::CurriculumError;
 use reports::schema::{Outcome, Record, RunKey, Teaching};
-use reports::store::layout;
+use reports::store::RunFolder;
+use reports::store::layout::{self, Lives};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::Lock;
@@ -20,7 +21,7 @@ use super::event::Event;
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
-use crate::run::folder::{self, Progress, Recorder};
+use crate::run::folder::{self, Extent, Recorder};
 use crate::run::train::{End, Phase, RunError, Trainer, TrainerState, Watcher, Wish};
 
 /// At most one [`Event::Step`] in this time.
@@ -58,9 +59,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         None => HarnessError::Run { run: key.to_string(), reason: error.to_string() },
     };
     let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
-        CheckpointError::Io { path, source } => {
-            HarnessError::Io { path, action: "read this checkpoint", source }
-        }
+        CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
         damaged => HarnessError::Run { run: key.to_string(), reason: damaged.to_string() },
     })?;
     let mut trainer = Trainer::new(registry, key.clone(), config).map_err(cannot_run)?;
@@ -71,7 +70,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         }
         None => {
             check_beginning(folder)?;
-            Progress::default()
+            Extent::default()
         }
     };
     let mut reporter = Reporter {
@@ -106,7 +105,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
 /// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try again.
 fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
     match outcome {
-        Outcome::Finished { .. } => checkpoint::clear_replay(folder),
+        Outcome::Finished { .. } => Ok(RunFolder::new(folder).remove(Lives::UntilFinished)?),
         Outcome::Failed { .. } => Ok(()),
     }
 }
@@ -209,7 +208,7 @@ impl Watcher for Reporter<'_> {
     }
 
     fn save(&mut self, trainer: TrainerState) -> std::io::Result<()> {
-        let progress = self.recorder.progress()?;
+        let progress = self.recorder.extent()?;
         let checkpoint = Checkpoint { run: self.hash.clone(), trainer, progress };
         checkpoint::write(&self.folder, &checkpoint).map_err(std::io::Error::other)
     }

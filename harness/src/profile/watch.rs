@@ -9,7 +9,7 @@ use reports::schema::{Record, Teaching};
 use super::costs::{Costs, Size};
 use super::timed::Clock;
 use crate::run::checkpoint::{self, Checkpoint};
-use crate::run::folder::Progress;
+use crate::run::folder::Extent;
 use crate::run::train::{Phase, TrainerState, Watcher, Wish};
 
 /// Adds up what the loop tells, runs the bare products after every cycle, and saves one checkpoint at the end.
@@ -108,7 +108,7 @@ impl Watcher for Watch<'_> {
     }
 
     fn save(&mut self, trainer: TrainerState) -> std::io::Result<()> {
-        let checkpoint = Checkpoint { run: String::new(), trainer, progress: Progress::default() };
+        let checkpoint = Checkpoint { run: String::new(), trainer, progress: Extent::default() };
         checkpoint::write(self.folder, &checkpoint).map_err(std::io::Error::other)?;
         // The loop asked for its parts right after the last cycle.
         self.checkpoint = self.cycle_begun.0.elapsed();

@@ -1,21 +1,97 @@
-//! The regression gate: does a change make a method learn worse?
+//! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
-//! [`runs`] carries out a reduced protocol, [`cells`] reads its curves, [`baseline`] keeps them in a small JSON file. A later
-//! check carries the same protocol out again and [compares](mod@compare): equal curves, byte for byte, or else a test of every
-//! [`group`] of runs by every [`measure`]. [`false_alarms`] counts how often unchanged code would fail.
+//! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties them to it: a
+//! [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its versions and processor.
+//! [`runs`] carries out a plan or finds it carried out.
 //!
 //! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
 
-pub mod baseline;
-pub mod cells;
-pub mod compare;
-pub mod config;
-pub mod false_alarms;
-pub mod group;
-mod json;
-pub mod measure;
-pub mod output;
 pub mod runs;
 
-pub use baseline::Baseline;
-pub use compare::{Comparison, compare};
+use std::fs;
+use std::path::Path;
+
+use reports::gate::Baseline;
+use reports::gate::baseline::Provenance;
+use reports::gate::cells::ExpectedRun;
+use reports::gate::config;
+use serde_json::Value;
+
+use crate::Registry;
+use crate::error::HarnessError;
+use crate::protocol::Protocol;
+use crate::protocol::plan::Plan;
+use crate::run::manifest::{self, COMMIT};
+
+/// The runs of `plan` as the gate knows them.
+pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
+    let expected = |run: &crate::protocol::plan::PlannedRun| {
+        let resolved = serde_json::to_value(&run.config).expect("a config is plain data");
+        ExpectedRun {
+            key: run.key.clone(),
+            config: config::fields(&resolved),
+            episodes: run.config.evaluation.episodes,
+        }
+    };
+    plan.runs.iter().map(expected).collect()
+}
+
+/// What is recorded of a protocol besides its curves: the options `source` that name it, its TOML, and this machine.
+///
+/// # Errors
+/// [`HarnessError::Protocol`] if the protocol is no TOML or has no JSON form.
+pub fn provenance(source: String, protocol: &str) -> Result<Provenance, HarnessError> {
+    let unfit = |reason: String| HarnessError::Protocol { place: source.clone(), reason };
+    let table: toml::Table = protocol.parse().map_err(|error: toml::de::Error| unfit(error.to_string()))?;
+    let protocol = serde_json::to_value(table).map_err(|error| unfit(error.to_string()))?;
+    Ok(Provenance { source, protocol, versions: manifest::versions(), cpu: cpu() })
+}
+
+/// The protocol that was recorded in the baseline at `path`, with the baseline's seeds.
+///
+/// # Errors
+/// [`HarnessError`] if this program does not take it.
+pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result<Protocol, HarnessError> {
+    let place = format!("{} (protocol)", path.display());
+    let mut protocol = Protocol::parse(&place, &as_toml(&baseline.protocol, &place)?, registry)?;
+    protocol.seeds.clone_from(&baseline.seeds);
+    Ok(protocol)
+}
+
+fn as_toml(protocol: &Value, place: &str) -> Result<String, HarnessError> {
+    let unfit = |reason: String| HarnessError::Protocol { place: place.to_owned(), reason };
+    let table = toml::Table::try_from(protocol).map_err(|error| unfit(error.to_string()))?;
+    toml::to_string(&table).map_err(|error| unfit(error.to_string()))
+}
+
+/// In what this machine is another than the one that recorded: identical curves cannot be expected then.
+pub fn foreign(baseline: &Baseline) -> Vec<String> {
+    let now = manifest::versions();
+    let version = |(name, there): (&String, &String)| {
+        let here = now.get(name).map_or("none", String::as_str);
+        (here != there).then(|| format!("{name} is {here} here, the baseline was recorded with {there}"))
+    };
+    let compared = baseline.versions.iter().filter(|(name, _)| name.as_str() != COMMIT);
+    let mut notes: Vec<String> = compared.filter_map(version).collect();
+    let cpu = cpu();
+    if cpu != baseline.cpu {
+        notes.push(format!(
+            "the processor is {cpu} here, {} in the baseline: rounding may differ",
+            baseline.cpu
+        ));
+    }
+    notes
+}
+
+/// Ids and titles of curricula in the order of figures.
+pub fn titles() -> Vec<(String, String)> {
+    let title = |method: &reports::methods::Method| (method.id.to_owned(), method.title.to_owned());
+    reports::methods::METHODS.iter().map(title).collect()
+}
+
+/// Model of this machine's processor.
+fn cpu() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    model.map_or("unknown".to_owned(), |(_, name)| name.trim().to_owned())
+}

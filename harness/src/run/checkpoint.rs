@@ -5,19 +5,15 @@
 //! dies the file that is there fits the log.
 
 use std::fs;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use agents::Seal;
+pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
-use super::folder::{Progress, new_file};
+use super::folder::{Extent, new_file};
 use super::train::TrainerState;
-
-/// Name of the checkpoint file in a run's folder.
-pub const CHECKPOINT: &str = "checkpoint.bin";
-/// Name of the folder of the replay log in a run's folder.
-pub const REPLAY: &str = "replay";
 
 const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
 
@@ -29,7 +25,7 @@ pub struct Checkpoint {
     /// Student, teacher, streams and counters.
     pub trainer: TrainerState,
     /// How far the records had come.
-    pub progress: Progress,
+    pub progress: Extent,
 }
 
 /// Why a checkpoint cannot be used.
@@ -37,11 +33,13 @@ pub struct Checkpoint {
 #[non_exhaustive]
 pub enum CheckpointError {
     /// It cannot be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: cannot {action}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// What was tried, as in `read this checkpoint`.
+        action: &'static str,
+        /// Why it failed.
         source: std::io::Error,
     },
     /// It is not what was written.
@@ -60,7 +58,7 @@ pub enum CheckpointError {
 /// [`CheckpointError::Io`]; the old checkpoint then stays.
 pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
     let path = folder.join(CHECKPOINT);
-    let io = |source| CheckpointError::Io { path: path.clone(), source };
+    let io = |source| CheckpointError::Io { path: path.clone(), action: "write this checkpoint", source };
     let mut file = new_file(folder).map_err(io)?;
     file.write_all(&SEAL.close(checkpoint)).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
@@ -76,8 +74,8 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
     let path = folder.join(CHECKPOINT);
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(source) => return Err(CheckpointError::Io { path, source }),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),
     };
     let checkpoint: Checkpoint =
         SEAL.open(&bytes).map_err(|reason| CheckpointError::Damaged { path: path.clone(), reason })?;
@@ -88,15 +86,4 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
         });
     }
     Ok(Some(checkpoint))
-}
-
-/// Removes what only an unfinished run needs: the replay log. The checkpoint stays, for it holds the trained student.
-///
-/// # Errors
-/// If it cannot be removed.
-pub fn clear_replay(folder: &Path) -> std::io::Result<()> {
-    match fs::remove_dir_all(folder.join(REPLAY)) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use reports::schema::{Manifest, RunKey, SCHEMA};
+use reports::store::digest;
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;
 use crate::protocol::plan::PlannedRun;
-use crate::sha256;
 
 /// The manifest of a planned run.
 pub fn manifest(run: &PlannedRun) -> Manifest {
@@ -24,7 +24,7 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
 /// SHA-256, in hex, of schema, run and config. Versions are not part of it: they are recorded, not compared.
 pub fn hash(key: &RunKey, config: &Value) -> String {
     let text = json!({ "schema": SCHEMA, "run": key, "config": config }).to_string();
-    sha256::hex(text.as_bytes())
+    digest::sha256(text.as_bytes())
 }
 
 /// Reads the typed config back.

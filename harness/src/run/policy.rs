@@ -86,9 +86,7 @@ impl Policy {
 
 fn unreadable(error: CheckpointError) -> HarnessError {
     match error {
-        CheckpointError::Io { path, source } => {
-            HarnessError::Io { path, action: "read this checkpoint", source }
-        }
+        CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
         CheckpointError::Damaged { path, reason } => HarnessError::Damaged {
             path,
             reason: format!("{reason}; delete this run's folder to train it anew"),

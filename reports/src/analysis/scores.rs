@@ -45,14 +45,28 @@ pub fn steps_to(records: &[Record], threshold: f64, window: usize) -> Option<u64
     full.into_iter().find(|(_, score)| *score >= threshold).map(|(record, _)| record.step)
 }
 
-/// Area under the success rate over training steps by the trapezoid rule, divided by the steps it spans: a mean
-/// success rate in [0, 1]. `None` for fewer than two evaluations.
+/// [`area`] under the success rate of an evaluation over its training steps. `None` for fewer than two evaluations.
 pub fn area_under_curve(records: &[Record]) -> Option<f64> {
-    let span = records.last()?.step - records.first()?.step;
-    let trapezoid = |pair: &[Record]| {
-        (pair[1].step - pair[0].step) as f64 * (pair[0].success_rate + pair[1].success_rate) / 2.0
-    };
-    (span > 0).then(|| records.windows(2).map(trapezoid).sum::<f64>() / span as f64)
+    area(records.iter().map(|record| (record.step, record.success_rate)))
+}
+
+/// Area under the `(step, rate)` points of a curve by the trapezoid rule, divided by the steps it spans: a mean success
+/// rate in [0, 1]. `None` where it spans no step.
+///
+/// ```
+/// // (10 * 0.25 + 30 * 0.75) / 40
+/// assert_eq!(reports::analysis::scores::area([(0, 0.0), (10, 0.5), (40, 1.0)]), Some(0.625));
+/// ```
+pub fn area(points: impl IntoIterator<Item = (u64, f64)>) -> Option<f64> {
+    let mut points = points.into_iter();
+    let first = points.next()?;
+    let (mut last, mut sum) = (first, 0.0);
+    for point in points {
+        sum += (point.0 - last.0) as f64 * (last.1 + point.1) / 2.0;
+        last = point;
+    }
+    let span = last.0 - first.0;
+    (span > 0).then(|| sum / span as f64)
 }
 
 #[cfg(test)]

@@ -46,8 +46,8 @@ pub struct Record {
     pub episodes: u64,
     /// Share of them that ended in success, in [0, 1].
     pub success_rate: f64,
-    /// Share of them that were successful after at least one of their actions, in [`success_rate`](Self::success_rate)
-    /// to 1; `None` in files older than the field.
+    /// Share of them that were successful after at least one of their actions, from
+    /// [`success_rate`](Self::success_rate) to 1; `None` in files older than the field.
     #[serde(default)]
     pub any_success_rate: Option<f64>,
     /// Mean over episodes of the sum of rewards, in [-H, 0].
@@ -58,7 +58,8 @@ pub struct Record {
     pub teacher: Map<String, Value>,
 }
 
-/// What the teacher did since the evaluation before: a line of `teaching.jsonl`. Nothing in it depends on the clock.
+/// What the teacher did since the evaluation before: a line of `teaching.jsonl`. Nothing in it depends on the
+/// clock.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Teaching {
@@ -72,17 +73,17 @@ pub struct Teaching {
     pub successes: Vec<bool>,
     /// For pool teachers the probability of every pool goal now, `[N]`, in single precision.
     pub weights: Option<Vec<f32>>,
-    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None` in files
-    /// older than the field.
+    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None` in
+    /// files older than the field.
     #[serde(default)]
     pub picks: Option<Vec<Option<u32>>>,
-    /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own unit and in
-    /// single precision; `null` for a goal without one. `None` for teachers that score no goals, and in files older
-    /// than the field.
+    /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own unit and
+    /// in single precision; `null` for a goal without one. `None` for teachers that score no goals, and in files
+    /// older than the field.
     #[serde(default)]
     pub scores: Option<Vec<Option<f32>>>,
-    /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the first; `null`
-    /// for a goal without one. `None` for teachers that rank no goals, and in files older than the field.
+    /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the first;
+    /// `null` for a goal without one. `None` for teachers that rank no goals, and in files older than the field.
     #[serde(default)]
     pub ranks: Option<Vec<Option<u32>>>,
 }
@@ -147,6 +148,9 @@ pub enum Outcome {
 pub struct Crash {
     /// 0 for the first attempt of a sweep.
     pub attempt: u32,
+    /// Training steps at the last evaluation before it; `None` in files older than the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<u64>,
     /// What is known of it.
     pub reason: String,
 }

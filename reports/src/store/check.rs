@@ -6,38 +6,65 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::Run;
-use crate::schema::{Outcome, Record, RunKey, Timing};
+use super::load::Loader;
+use super::run_folder::JsonLine;
+use crate::schema::{Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
 use crate::store::problem::{Fault, Problem};
 
-/// The usable evaluations among the `(line, evaluation)` pairs of the file `path`, by rising index and step.
-pub(super) fn records(
-    lines: Vec<(usize, Record)>,
-    run: &RunKey,
-    path: &Path,
-    problems: &mut Vec<Problem>,
-) -> Vec<Record> {
-    let mut fault = |line, fault| problems.push(Problem { path: path.to_owned(), line: Some(line), fault });
-    let mut by_index: BTreeMap<u64, (usize, Record)> = BTreeMap::new();
-    for (line, record) in lines {
-        if let Some(wrong) = misfit(&record, run) {
-            fault(line, wrong);
-        } else if let Some((first, _)) = by_index.get(&record.eval_index) {
-            fault(line, Fault::Duplicate { eval_index: record.eval_index, first: *first });
-        } else {
-            by_index.insert(record.eval_index, (line, record));
+/// A line that belongs to one evaluation.
+trait OfEvaluation: JsonLine {
+    /// Which evaluation.
+    fn eval_index(&self) -> u64;
+
+    /// The first thing about the line that rules it out of the files of `run`.
+    fn misfit(&self, run: &RunKey) -> Option<Fault>;
+}
+
+/// The usable lines of the file of `T`, with their numbers, by rising evaluation and each evaluation once.
+fn by_index<T: OfEvaluation>(loader: &mut Loader<'_>, run: &RunKey) -> BTreeMap<u64, (usize, T)> {
+    let mut kept: BTreeMap<u64, (usize, T)> = BTreeMap::new();
+    for (line, value) in loader.lines::<T>() {
+        let eval_index = value.eval_index();
+        let again = || kept.get(&eval_index).map(|(first, _)| Fault::Duplicate { eval_index, first: *first });
+        match value.misfit(run).or_else(again) {
+            Some(fault) => loader.fault(T::FILE, Some(line), fault),
+            None => {
+                kept.insert(eval_index, (line, value));
+            }
         }
     }
-    let mut kept: Vec<Record> = Vec::with_capacity(by_index.len());
+    kept
+}
+
+fn values<T>(by_index: BTreeMap<u64, (usize, T)>) -> Vec<T> {
+    by_index.into_values().map(|(_, value)| value).collect()
+}
+
+/// The usable timings, by rising evaluation.
+pub(super) fn timings(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Timing> {
+    values(by_index(loader, run))
+}
+
+/// What the teacher did, as far as it can be used, by rising evaluation.
+pub(super) fn teaching(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Teaching> {
+    values(by_index(loader, run))
+}
+
+/// The usable evaluations, by rising index and step.
+pub(super) fn records(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Record> {
+    let found = by_index::<Record>(loader, run);
+    let mut kept: Vec<Record> = Vec::with_capacity(found.len());
     let mut expected = 0;
-    for (eval_index, (line, record)) in by_index {
+    for (eval_index, (line, record)) in found {
         if eval_index > expected {
-            fault(line, Fault::Gap { from: expected, to: eval_index - 1 });
+            loader.fault(layout::RECORDS, Some(line), Fault::Gap { from: expected, to: eval_index - 1 });
         }
         expected = eval_index.saturating_add(1);
         match kept.last() {
             Some(before) if before.step >= record.step => {
-                fault(line, Fault::Order { eval_index, step: record.step, previous: before.step });
+                let fault = Fault::Order { eval_index, step: record.step, previous: before.step };
+                loader.fault(layout::RECORDS, Some(line), fault);
             }
             _ => kept.push(record),
         }
@@ -45,94 +72,112 @@ pub(super) fn records(
     kept
 }
 
-/// The first thing about a record that rules it out.
-fn misfit(record: &Record, run: &RunKey) -> Option<Fault> {
-    let range =
-        |field: &str, value: String, accepted| Fault::Range { field: field.to_owned(), value, accepted };
-    let found = RunKey {
-        environment: record.environment.clone(),
-        curriculum: record.curriculum.clone(),
-        variant: record.variant.clone(),
-        seed: record.seed,
-    };
-    if found != *run {
-        return Some(Fault::Foreign { found, expected: run.clone() });
-    }
-    if record.episodes == 0 {
-        return Some(range("episodes", "0".into(), "at least 1"));
-    }
-    let rates = [("success_rate", Some(record.success_rate)), ("any_success_rate", record.any_success_rate)];
-    for (field, rate) in rates.into_iter().filter_map(|(field, rate)| Some((field, rate?))) {
-        if !(0.0..=1.0).contains(&rate) {
-            return Some(range(field, rate.to_string(), "a number in [0, 1]"));
-        }
-        // Within rounding: shares are written with all digits they have.
-        let successes = rate * record.episodes as f64;
-        if (successes - successes.round()).abs() > 1e-6 {
-            let value = format!("{rate} of {} episodes", record.episodes);
-            return Some(range(field, value, "a whole number of successes"));
-        }
-    }
-    if let Some(any) = record.any_success_rate.filter(|any| *any < record.success_rate) {
-        return Some(range("any_success_rate", any.to_string(), "at least success_rate"));
-    }
-    if !(record.mean_return.is_finite() && record.mean_return <= 0.0) {
-        return Some(range("mean_return", record.mean_return.to_string(), "a number of at most 0"));
-    }
-    let (name, value) = record.teacher.iter().find(|(_, value)| !value.is_number() && !value.is_null())?;
-    Some(range(&format!("teacher.{name}"), value.to_string(), "a number or null"))
+/// A number that is not what it must be.
+fn range(field: &str, value: impl ToString, accepted: &'static str) -> Option<Fault> {
+    Some(Fault::Range { field: field.to_owned(), value: value.to_string(), accepted })
 }
 
-/// The usable timings among the `(line, timing)` pairs of the file `path`, by rising index.
-pub(super) fn timings(lines: Vec<(usize, Timing)>, path: &Path, problems: &mut Vec<Problem>) -> Vec<Timing> {
-    let mut fault = |line, fault| problems.push(Problem { path: path.to_owned(), line: Some(line), fault });
-    let mut by_index: BTreeMap<u64, (usize, Timing)> = BTreeMap::new();
-    for (line, timing) in lines {
-        let eval_index = timing.eval_index;
-        if let Some(wrong) = impossible(&timing) {
-            fault(line, wrong);
-        } else if let Some((first, _)) = by_index.get(&eval_index) {
-            fault(line, Fault::Duplicate { eval_index, first: *first });
-        } else {
-            by_index.insert(eval_index, (line, timing));
+impl OfEvaluation for Record {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
+    }
+
+    fn misfit(&self, run: &RunKey) -> Option<Fault> {
+        let found = RunKey {
+            environment: self.environment.clone(),
+            curriculum: self.curriculum.clone(),
+            variant: self.variant.clone(),
+            seed: self.seed,
+        };
+        if found != *run {
+            return Some(Fault::Foreign { found, expected: run.clone() });
         }
+        if self.episodes == 0 {
+            return range("episodes", 0, "at least 1");
+        }
+        let rates = [("success_rate", Some(self.success_rate)), ("any_success_rate", self.any_success_rate)];
+        for (field, rate) in rates.into_iter().filter_map(|(field, rate)| Some((field, rate?))) {
+            if !(0.0..=1.0).contains(&rate) {
+                return range(field, rate, "a number in [0, 1]");
+            }
+            // Within rounding: shares are written with all digits they have.
+            let successes = rate * self.episodes as f64;
+            if (successes - successes.round()).abs() > 1e-6 {
+                let value = format!("{rate} of {} episodes", self.episodes);
+                return range(field, value, "a whole number of successes");
+            }
+        }
+        if let Some(any) = self.any_success_rate.filter(|any| *any < self.success_rate) {
+            return range("any_success_rate", any, "at least success_rate");
+        }
+        if !(self.mean_return.is_finite() && self.mean_return <= 0.0) {
+            return range("mean_return", self.mean_return, "a number of at most 0");
+        }
+        let (name, value) = self.teacher.iter().find(|(_, value)| !value.is_number() && !value.is_null())?;
+        range(&format!("teacher.{name}"), value, "a number or null")
     }
-    by_index.into_values().map(|(_, timing)| timing).collect()
 }
 
-/// The first thing about a timing that rules it out.
-fn impossible(timing: &Timing) -> Option<Fault> {
-    let Timing { wall_s, evaluation_s, teacher_s, learning_s, .. } = *timing;
-    let range = |field: &str, value: f64, accepted| {
-        Some(Fault::Range { field: field.to_owned(), value: value.to_string(), accepted })
-    };
-    if !(wall_s.is_finite() && wall_s >= 0.0) {
-        return range("wall_s", wall_s, "a number of at least 0");
+impl OfEvaluation for Timing {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
     }
-    let parts = [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
-    let (field, value) = parts
-        .into_iter()
-        .filter_map(|(field, value)| Some((field, value?)))
-        .find(|(_, value)| !(0.0..=wall_s).contains(value))?;
-    range(field, value, "a number in [0, wall_s]")
+
+    fn misfit(&self, _: &RunKey) -> Option<Fault> {
+        let Self { wall_s, evaluation_s, teacher_s, learning_s, .. } = *self;
+        if !(wall_s.is_finite() && wall_s >= 0.0) {
+            return range("wall_s", wall_s, "a number of at least 0");
+        }
+        let parts =
+            [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
+        let (field, value) = parts
+            .into_iter()
+            .filter_map(|(field, value)| Some((field, value?)))
+            .find(|(_, value)| !(0.0..=wall_s).contains(value))?;
+        range(field, value, "a number in [0, wall_s]")
+    }
 }
 
-/// Names a failed run, and a run whose last evaluation lies behind its end.
-pub(super) fn outcome(
-    outcome: Option<&Outcome>,
-    last_step: Option<u64>,
-    path: &Path,
-    problems: &mut Vec<Problem>,
-) {
-    let Some(outcome) = outcome else { return };
-    let mut fault = |fault| problems.push(Problem { path: path.to_owned(), line: None, fault });
+impl OfEvaluation for Teaching {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
+    }
+
+    fn misfit(&self, _: &RunKey) -> Option<Fault> {
+        let Self { goals, successes, weights, picks, scores, ranks, .. } = self;
+        let lengths = [
+            ("successes", Some(successes.len())),
+            ("picks", picks.as_ref().map(Vec::len)),
+            ("scores", scores.as_ref().map(Vec::len)),
+            ("ranks", ranks.as_ref().map(Vec::len)),
+        ];
+        let mut given = lengths.into_iter().filter_map(|(field, length)| Some((field, length?)));
+        if let Some((field, length)) = given.find(|(_, length)| *length != goals.len()) {
+            return range(field, format!("{length} long"), "as many entries as goals");
+        }
+        let sound = |goal: &Vec<f32>| goal.len() == goals[0].len() && goal.iter().all(|x| x.is_finite());
+        if let Some(goal) = goals.iter().find(|goal| !sound(goal)) {
+            return range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length");
+        }
+        let weights = weights.as_deref()?;
+        if let Some(weight) = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight)) {
+            return range("weights", weight, "numbers in [0, 1]");
+        }
+        let beyond = |pick: &&u32| **pick as usize >= weights.len();
+        let pick = picks.iter().flatten().flatten().find(beyond)?;
+        range("picks", pick, "indices below the number of weights")
+    }
+}
+
+/// What is to be said of a run that has ended: that it failed, and that its last evaluation lies behind its end.
+pub(super) fn outcome(outcome: &Outcome, last_step: Option<u64>) -> Vec<Fault> {
     let (Outcome::Finished { step: end } | Outcome::Failed { step: end, .. }) = *outcome;
-    if let Some(step) = last_step.filter(|&step| step > end) {
-        fault(Fault::AfterEnd { step, end });
-    }
-    if let Outcome::Failed { step, reason } = outcome {
-        fault(Fault::Failed { step: *step, reason: reason.clone() });
-    }
+    let after = last_step.filter(|&step| step > end).map(|step| Fault::AfterEnd { step, end });
+    let failed = match outcome {
+        Outcome::Finished { .. } => None,
+        Outcome::Failed { step, reason } => Some(Fault::Failed { step: *step, reason: reason.clone() }),
+    };
+    after.into_iter().chain(failed).collect()
 }
 
 /// Names every run that is not configured like the first run of its curve (same environment, curriculum and

@@ -1,8 +1,7 @@
-//! Where things lie in a results folder.
+//! Where things lie in a results folder, and the table of the files in a run's folder.
 //!
 //! ```text
-//! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{manifest.json, records.jsonl, teaching.jsonl, timing.jsonl,
-//!                                                     outcome.json, crashes.jsonl, worker.log}
+//! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE    for every FILE of the table FILES
 //! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt, tables/*.tex, figures/*.{svg, png}}
 //! ```
 
@@ -10,22 +9,75 @@ use std::path::{Path, PathBuf};
 
 use crate::schema::RunKey;
 
-/// Name of the manifest file of a run.
+/// A file, or a folder of files, in the folder of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunFile {
+    /// Its name.
+    pub name: &'static str,
+    /// What it holds.
+    pub holds: &'static str,
+    /// Whether it comes along when results of several machines are merged.
+    pub merged: bool,
+    /// Until when it is there.
+    pub lives: Lives,
+}
+
+/// Until when a file of a run is there, once it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lives {
+    /// As long as the run's folder.
+    Always,
+    /// Until the run's budget is used up: what only an unfinished run needs.
+    UntilFinished,
+    /// From the end of the run until it is told to go on.
+    UntilReopened,
+}
+
+/// [`Manifest`](crate::schema::Manifest).
 pub const MANIFEST: &str = "manifest.json";
-/// Name of the file of evaluations of a run.
+/// A [`Record`](crate::schema::Record) per line.
 pub const RECORDS: &str = "records.jsonl";
-/// Name of the file of what the teacher did in a run.
+/// A [`Teaching`](crate::schema::Teaching) per line.
 pub const TEACHING: &str = "teaching.jsonl";
-/// Name of the file of timings of a run.
+/// A [`Timing`](crate::schema::Timing) per line.
 pub const TIMING: &str = "timing.jsonl";
-/// Name of the file that says how a run ended.
+/// [`Outcome`](crate::schema::Outcome).
 pub const OUTCOME: &str = "outcome.json";
-
-/// Name of the file that notes crashed workers of a run.
+/// Checksums of the files that hold what the run found.
+pub const CHECKSUMS: &str = "checksums.json";
+/// A [`Crash`](crate::schema::Crash) per line; absent where no worker crashed.
 pub const CRASHES: &str = "crashes.jsonl";
-
-/// Name of the file that keeps what a run's workers said on standard error; absent where they said nothing.
+/// What the run's workers said on standard error; absent where they said nothing.
 pub const WORKER_LOG: &str = "worker.log";
+/// The state from which the run goes on, trained student included.
+pub const CHECKPOINT: &str = "checkpoint.bin";
+/// The folder of the replay buffer's log, which belongs to the checkpoint.
+pub const REPLAY: &str = "replay";
+/// TensorBoard's event file, on request; TensorBoard takes files whose names hold `tfevents`.
+pub const EVENTS: &str = "events.out.tfevents.goalbench";
+/// The file that whoever works on the folder holds a lock on.
+pub const LOCK: &str = ".lock";
+
+/// Everything that lies in a run's folder. The outcome comes before the checksums: whoever removes both in this order never
+/// leaves an ended run without them.
+#[rustfmt::skip]
+pub static FILES: &[RunFile] = &[
+    RunFile { name: MANIFEST, holds: "what the run is", merged: true, lives: Lives::Always },
+    RunFile { name: RECORDS, holds: "evaluations", merged: true, lives: Lives::Always },
+    RunFile { name: TEACHING, holds: "what the teacher did", merged: true, lives: Lives::Always },
+    RunFile { name: TIMING, holds: "time taken", merged: true, lives: Lives::Always },
+    RunFile { name: OUTCOME, holds: "how the run ended", merged: true, lives: Lives::UntilReopened },
+    RunFile { name: CHECKSUMS, holds: "checksums of evaluations and teaching", merged: true, lives: Lives::UntilReopened },
+    RunFile { name: CRASHES, holds: "workers that went away", merged: true, lives: Lives::Always },
+    RunFile { name: WORKER_LOG, holds: "what workers said", merged: true, lives: Lives::Always },
+    RunFile { name: CHECKPOINT, holds: "the state to go on from", merged: true, lives: Lives::Always },
+    RunFile { name: EVENTS, holds: "the evaluations for TensorBoard", merged: true, lives: Lives::Always },
+    RunFile { name: REPLAY, holds: "experience of the student", merged: true, lives: Lives::UntilFinished },
+    RunFile { name: LOCK, holds: "the lock of whoever works here", merged: false, lives: Lives::Always },
+];
+
+/// Folders from `runs/` to a run: environment, curriculum, variant, seed.
+pub const DEPTH: usize = 4;
 
 /// The folder of all runs of a results folder.
 pub fn runs_dir(results: &Path) -> PathBuf {
@@ -41,7 +93,45 @@ pub fn run_dir(results: &Path, run: &RunKey) -> PathBuf {
         .join(format!("seed-{}", run.seed))
 }
 
+/// The run whose place `folder` is; `None` for a folder that can be no run's, such as `seed-0 (copy)`.
+///
+/// ```
+/// use std::path::Path;
+/// use reports::store::layout::{key_at, run_dir};
+///
+/// let key = key_at(Path::new("results/runs/MazeA/teach/default/seed-3")).expect("a run's place");
+/// assert_eq!(key.to_string(), "MazeA/teach/default/seed-3");
+/// assert_eq!(run_dir(Path::new("results"), &key), Path::new("results/runs/MazeA/teach/default/seed-3"));
+/// assert_eq!(key_at(Path::new("results/runs/MazeA/teach/default/seed-3 (copy)")), None);
+/// assert_eq!(key_at(Path::new("results/runs/MazeA/teach/default/seed-03")), None);
+/// ```
+pub fn key_at(folder: &Path) -> Option<RunKey> {
+    let mut names = folder.iter().rev().map(|name| name.to_str());
+    let last = names.next()??;
+    let seed: u64 = last.strip_prefix("seed-")?.parse().ok()?;
+    if last != format!("seed-{seed}") {
+        return None;
+    }
+    let mut name = || Some(names.next()??.to_owned());
+    let (variant, curriculum, environment) = (name()?, name()?, name()?);
+    Some(RunKey { environment, curriculum, variant, seed })
+}
+
 /// The folder of the figures and tables.
 pub fn report_dir(results: &Path) -> PathBuf {
     results.join("report")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_an_outcome_goes_before_its_checksums() {
+        let place = |name: &str| FILES.iter().position(|file| file.name == name);
+        for (index, file) in FILES.iter().enumerate() {
+            assert_eq!(place(file.name), Some(index), "{} twice", file.name);
+        }
+        assert!(place(OUTCOME) < place(CHECKSUMS));
+    }
 }

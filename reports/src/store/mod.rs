@@ -1,20 +1,28 @@
-//! Everything a results folder holds, read strictly.
+//! Everything a results folder holds.
 //!
-//! Nothing is dropped in silence: each line, file or folder that cannot be used is named in
-//! [`Store::problems`]. Partial results, of runs in progress too, are read as far as they go.
+//! [`Results`] finds the runs, [`RunFolder`] is the single way to a run's files, and [`layout`] has the table of those. A
+//! [`Store`] holds all that a report needs. Nothing is dropped in silence: each line, file or folder that cannot be used is
+//! named in [`Store::problems`]. Partial results, of runs in progress too, are read as far as they go.
 
 mod check;
+pub mod digest;
+mod error;
 mod frame;
 pub mod layout;
 mod lines;
+mod load;
 pub mod problem;
-mod scan;
+mod results;
+mod run_folder;
 mod teaching;
 
 use std::path::Path;
 
 use rayon::prelude::*;
 
+pub use error::StoreError;
+pub use results::Results;
+pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use teaching::teaching;
 
 use crate::error::ReportError;
@@ -57,11 +65,25 @@ impl Store {
     /// Reads all runs below `results/runs/`, in parallel; the answer does not depend on the order of reading.
     ///
     /// # Errors
-    /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder,
-    /// [`ReportError::Io`] if its `runs/` cannot be listed. Anything below that is a [`Problem`].
+    /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder. Anything below that is
+    /// a [`Problem`].
     pub fn read(results: &Path) -> Result<Self, ReportError> {
-        let (folders, mut problems) = scan::run_folders(results)?;
-        let loaded: Vec<_> = folders.par_iter().map(|folder| scan::load(results, folder)).collect();
+        if !results.is_dir() {
+            return Err(ReportError::NotFound { path: results.to_owned() });
+        }
+        if !layout::runs_dir(results).is_dir() {
+            return Err(ReportError::NotResults { path: results.to_owned() });
+        }
+        let folder = Results::new(results);
+        let (folders, mut problems) = folder.survey();
+        if folders.is_empty() && problems.is_empty() {
+            return Err(ReportError::NotResults { path: results.to_owned() });
+        }
+        let load = |run: &RunFolder| {
+            let mut loader = load::Loader::new(&folder, run);
+            (loader.run(), loader.into_problems())
+        };
+        let loaded: Vec<_> = folders.par_iter().map(load).collect();
         let mut runs = Vec::new();
         for (run, faults) in loaded {
             runs.extend(run);

@@ -6,9 +6,9 @@ use std::path::Path;
 use super::support::{key, line, record, write_run};
 use reports::ReportError;
 use reports::report::{self, Options};
-use reports::schema::{Crash, Outcome};
-use reports::store::Store;
+use reports::schema::{Crash, Outcome, Record};
 use reports::store::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
+use reports::store::{Results, RunFolder, Store};
 use tempfile::TempDir;
 
 /// A results folder with the four evaluations of one run, after `damage` was done to the folder of the run.
@@ -234,7 +234,7 @@ fn timings_and_outcomes_are_checked() {
 #[test]
 fn a_crashed_worker_is_named_while_the_run_has_not_ended() {
     let crash = |folder: &Path| {
-        let crash = Crash { attempt: 1, reason: "killed by signal 9".into() };
+        let crash = Crash { attempt: 1, step: None, reason: "killed by signal 9".into() };
         fs::write(folder.join(CRASHES), line(&crash)).unwrap();
     };
     assert_eq!(damaged(crash).0, [""; 0]);
@@ -257,6 +257,62 @@ fn files_that_belong_elsewhere_are_named() {
         "notes.txt: unexpected here, ignored; expected folders ENVIRONMENT/CURRICULUM/VARIANT/seed-N";
     assert_eq!(problems, [format!("runs/E/teach/default/{expected}")]);
     assert_eq!(left, [0, 1, 2, 3]);
+}
+
+#[test]
+fn a_copy_of_a_run_is_no_run() {
+    let copied = |folder: &Path| {
+        let copy = folder.with_file_name("seed-0 (copy)");
+        fs::create_dir(&copy).unwrap();
+        for name in [MANIFEST, RECORDS] {
+            fs::copy(folder.join(name), copy.join(name)).unwrap();
+        }
+        let runs = Results::new(folder.ancestors().nth(5).unwrap()).runs().unwrap();
+        assert_eq!(runs, [RunFolder::new(folder)]);
+    };
+    let (problems, left) = damaged(copied);
+    let expected = "unexpected here, ignored; expected folders ENVIRONMENT/CURRICULUM/VARIANT/seed-N";
+    assert_eq!(problems, [format!("{FOLDER} (copy): {expected}")]);
+    assert_eq!(left, [0, 1, 2, 3]);
+}
+
+#[test]
+fn a_strict_reader_is_told_the_first_line_that_is_wrong() {
+    let (_, _) = damaged(|folder| {
+        let run = RunFolder::new(folder);
+        assert_eq!(run.records().unwrap().len(), 4);
+        assert_eq!(run.last::<Record>().unwrap().eval_index, 3);
+        edit(folder, |mut lines| {
+            lines[2] = "{}\n".into();
+            lines[3] = lines[3].trim_end().into();
+            lines
+        });
+        let error = run.records().unwrap_err();
+        assert!(error.to_string().ends_with("records.jsonl:3: not a valid evaluation"), "{error}");
+        let source = std::error::Error::source(&error).unwrap().to_string();
+        assert!(source.contains("missing field `environment`"), "{source}");
+        assert_eq!(run.last::<Record>(), None, "the last complete line cannot be read");
+        fs::remove_file(folder.join(RECORDS)).unwrap();
+        assert_eq!(run.records().unwrap(), [], "nothing is recorded yet");
+    });
+}
+
+#[test]
+fn a_crash_counts_until_an_evaluation_beyond_it_is_recorded() {
+    let (_, _) = damaged(|folder| {
+        let run = RunFolder::new(folder);
+        run.note_crash(0, "killed").unwrap();
+        let step = Some(3_000);
+        assert_eq!(run.last_crash(), Some(Crash { attempt: 0, step, reason: "killed".into() }));
+        edit(folder, |mut lines| {
+            lines.push(line(&record(&key("E", "teach", "default", 0), 4, 1.0)));
+            lines
+        });
+        assert_eq!(run.last_crash(), None);
+        // Of a version that noted no step.
+        fs::write(folder.join(CRASHES), "{\"attempt\":0,\"reason\":\"killed\"}\n").unwrap();
+        assert_eq!(run.last_crash().unwrap().step, None);
+    });
 }
 
 #[test]

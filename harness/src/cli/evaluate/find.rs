@@ -4,13 +4,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use reports::schema::RunKey;
-use reports::store::layout;
+use reports::store::{Results, RunFolder, layout};
 
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, chain};
 use crate::run::folder::read_manifest;
 use crate::run::policy::Policy;
-use crate::status::find_runs;
 
 /// A run to evaluate.
 pub(super) struct Subject {
@@ -24,7 +23,7 @@ pub(super) struct Subject {
 }
 
 /// What there is to evaluate.
-pub(super) struct Found {
+pub(super) struct Chosen {
     /// Each run once, by results folder, environment, curriculum, variant and seed.
     pub(super) subjects: Vec<Subject>,
     /// Why other runs of results folders are not among them.
@@ -35,26 +34,26 @@ pub(super) struct Found {
 ///
 /// # Errors
 /// [`HarnessError`] if a path is neither a run nor a results folder, or a run given by itself has no policy or is damaged.
-pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Found, HarnessError> {
-    let mut found = Found { subjects: Vec::new(), left_out: Vec::new() };
+pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, HarnessError> {
+    let mut chosen = Chosen { subjects: Vec::new(), left_out: Vec::new() };
     let mut seen = BTreeSet::new();
     for path in paths {
         let place = absolute(path)?;
         let mut add = |subject: Subject| -> Result<(), HarnessError> {
             if seen.insert(absolute(&subject.folder)?) {
-                found.subjects.push(subject);
+                chosen.subjects.push(subject);
             }
             Ok(())
         };
-        if path.join(layout::MANIFEST).exists() {
+        if RunFolder::new(path).has(layout::MANIFEST) {
             let run = Policy::read(registry, path)?.run().clone();
             let results = results_of(&place, &run).unwrap_or(&place).to_owned();
             add(Subject { folder: path.clone(), results, named: true, run })?;
         } else if layout::runs_dir(path).is_dir() {
-            for folder in find_runs(path)? {
-                match within(path, &place, folder) {
+            for folder in Results::new(path).runs()? {
+                match within(&place, &folder) {
                     Ok(subject) => add(subject)?,
-                    Err(error) => found.left_out.push(error),
+                    Err(error) => chosen.left_out.push(error),
                 }
             }
         } else {
@@ -65,26 +64,23 @@ pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Found, Harn
             return Err(HarnessError::Damaged { path: path.clone(), reason });
         }
     }
-    found.subjects.sort_by(|a, b| (&a.results, &a.run).cmp(&(&b.results, &b.run)));
-    found.left_out.sort_by_key(ToString::to_string);
-    Ok(found)
+    chosen.subjects.sort_by(|a, b| (&a.results, &a.run).cmp(&(&b.results, &b.run)));
+    chosen.left_out.sort_by_cached_key(|error| chain(error));
+    Ok(chosen)
 }
 
-/// The run in `folder` of the results folder `results`, which lies at `place`.
-fn within(results: &Path, place: &Path, folder: PathBuf) -> Result<Subject, HarnessError> {
-    let run = read_manifest(&folder)?.0.run;
-    if layout::run_dir(results, &run) != folder {
-        let reason = format!("belongs to the run {run}, whose place is elsewhere");
-        return Err(HarnessError::Damaged { path: folder.join(layout::MANIFEST), reason });
-    }
-    Ok(Subject { folder, results: place.to_owned(), named: false, run })
+/// The run in `folder` of the results folder `results`.
+fn within(results: &Path, folder: &RunFolder) -> Result<Subject, HarnessError> {
+    let manifest = read_manifest(folder.path())?.0;
+    folder.check_place(&manifest)?;
+    let folder = folder.path().to_owned();
+    Ok(Subject { folder, results: results.to_owned(), named: false, run: manifest.run })
 }
 
 /// The results folder in which `folder` is the place of `run`.
 fn results_of<'a>(folder: &'a Path, run: &RunKey) -> Option<&'a Path> {
-    /// From a results folder to a run: runs, environment, curriculum, variant, seed.
-    const DEPTH: usize = 5;
-    folder.ancestors().nth(DEPTH).filter(|results| layout::run_dir(results, run) == folder)
+    // `runs` and what lies between it and a run.
+    folder.ancestors().nth(1 + layout::DEPTH).filter(|results| layout::run_dir(results, run) == folder)
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, HarnessError> {

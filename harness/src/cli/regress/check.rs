@@ -3,6 +3,10 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use reports::gate::compare::{self, compare};
+use reports::gate::output::{self, Check};
+use reports::gate::{Baseline, cells};
+
 use super::options::{RunsArgs, SettingsArgs};
 use super::record::parse_seeds;
 use super::{Exit, FAILED, STOPPED, print};
@@ -11,10 +15,7 @@ use crate::cli::complain;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
-use crate::regress::compare::{self, compare};
-use crate::regress::output::{self, Check};
-use crate::regress::{Baseline, cells};
-use crate::run::manifest::{self, COMMIT};
+use crate::regress;
 
 #[derive(clap::Args)]
 #[command(
@@ -52,15 +53,16 @@ pub(super) struct Args {
 pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     let baseline = Baseline::read(&args.baseline)?;
     let settings = args.settings.over(baseline.gate.settings)?;
-    let mut protocol = baseline.protocol(&args.baseline, registry)?;
+    let mut protocol = regress::protocol(&baseline, &args.baseline, registry)?;
     let mut notes = narrow(&mut protocol, registry, args)?;
     protocol.seeds = match &args.seeds {
         Some(text) => parse_seeds("--seeds", text)?,
         None => baseline.gate.seeds.clone(),
     };
     let plan = Plan::new(&protocol, registry)?;
-    let before = baseline.cells_of(&plan, &args.baseline)?;
-    notes.extend(foreign(&baseline));
+    let expected = regress::expected(&plan);
+    let before = baseline.cells_of(&expected, &args.baseline)?;
+    notes.extend(regress::foreign(&baseline));
     if !args.exact {
         // Told before anything is run.
         let tests = compare::samples(&before, &before, settings.window).len();
@@ -68,10 +70,17 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     }
 
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::from(STOPPED)) };
-    let found = cells::read(results.path(), &plan)?;
-    let comparison = compare(&before, &found.cells, found.failures, settings);
-    let check =
-        Check { comparison: &comparison, before: &before, now: &found.cells, exact: args.exact, notes };
+    let found = cells::read(results.path(), &expected)?;
+    let result = compare(&before, &found.cells, found.failures, settings);
+    let titles = regress::titles();
+    let check = Check {
+        result: &result,
+        before: &before,
+        now: &found.cells,
+        exact: args.exact,
+        notes,
+        titles: &titles,
+    };
     print(&if args.json { format!("{:#}\n", output::json(&check)) } else { output::text(&check) });
     if let Some(folder) = &args.out {
         for path in output::write(&check, folder)? {
@@ -108,23 +117,4 @@ fn keep(
     let (kept, left): (Vec<String>, Vec<String>) = list.drain(..).partition(|id| chosen.contains(id));
     *list = kept;
     Ok((!left.is_empty()).then(|| format!("left out by {option}: {}", left.join(", "))))
-}
-
-/// In what this machine is another than the one that recorded: identical curves cannot be expected then.
-fn foreign(baseline: &Baseline) -> Vec<String> {
-    let now = manifest::versions();
-    let version = |(name, there): (&String, &String)| {
-        let here = now.get(name).map_or("none", String::as_str);
-        (here != there).then(|| format!("{name} is {here} here, the baseline was recorded with {there}"))
-    };
-    let compared = baseline.versions.iter().filter(|(name, _)| name.as_str() != COMMIT);
-    let mut notes: Vec<String> = compared.filter_map(version).collect();
-    let cpu = crate::regress::baseline::cpu();
-    if cpu != baseline.cpu {
-        notes.push(format!(
-            "the processor is {cpu} here, {} in the baseline: rounding may differ",
-            baseline.cpu
-        ));
-    }
-    notes
 }

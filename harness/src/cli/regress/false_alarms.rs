@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use reports::gate::Baseline;
+use reports::gate::false_alarms::{self, Simulation};
+
 use super::options::SettingsArgs;
 use super::{Exit, FAILED, print};
 use crate::Registry;
 use crate::protocol::plan::Plan;
-use crate::regress::Baseline;
-use crate::regress::false_alarms::{self, Simulation};
+use crate::regress;
 
 #[derive(clap::Args)]
 #[command(
@@ -37,8 +39,8 @@ pub(super) struct Args {
 pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
     let baseline = Baseline::read(&args.baseline)?;
     let settings = args.settings.over(baseline.gate.settings)?;
-    let plan = Plan::new(&baseline.protocol(&args.baseline, registry)?, registry)?;
-    let cells = baseline.cells_of(&plan, &args.baseline)?;
+    let plan = Plan::new(&regress::protocol(&baseline, &args.baseline, registry)?, registry)?;
+    let cells = baseline.cells_of(&regress::expected(&plan), &args.baseline)?;
     let simulation = Simulation { now: args.now, before: args.before, draws: args.draws, seed: args.seed };
     let alarms = false_alarms::simulate(&cells, simulation, settings)?;
     print(&format!(

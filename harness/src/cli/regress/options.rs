@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::gate::compare::Settings;
+
 use crate::cli::complain;
 use crate::error::HarnessError;
 use crate::executor::signals::Stopper;
 use crate::protocol::plan::Plan;
-use crate::regress::compare::Settings;
 use crate::regress::runs::{self, Progress};
 
 /// When a check fails.

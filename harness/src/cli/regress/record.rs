@@ -4,6 +4,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use reports::gate::baseline::Gate;
+use reports::gate::compare::{Settings, check_seeds, samples};
+use reports::gate::{Baseline, cells};
+
 use super::options::{RunsArgs, SettingsArgs};
 use super::{Exit, STOPPED, print};
 use crate::Registry;
@@ -12,10 +16,7 @@ use crate::config::seeds;
 use crate::error::HarnessError;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, presets};
-use crate::regress::baseline::{Gate, Origin};
-use crate::regress::compare::{Settings, check_seeds, samples};
-use crate::regress::{Baseline, cells};
-use crate::run::manifest;
+use crate::regress;
 
 /// Seeds that a check runs unless told otherwise: the first of the protocol's.
 const CHECK_SEEDS: usize = 5;
@@ -59,7 +60,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     };
     let plan = Plan::new(&protocol, registry)?;
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::from(STOPPED)) };
-    let found = cells::read(results.path(), &plan)?;
+    let found = cells::read(results.path(), &regress::expected(&plan))?;
     if let Some(failure) = found.failures.first() {
         let reason = format!("{}; a baseline needs runs that come to their end", failure.reason);
         return Err(HarnessError::Run { run: failure.run.clone(), reason });
@@ -69,8 +70,8 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
         complain(&format!("goalbench: only checks with --exact will take this baseline: {error}"));
     }
     let count = found.cells.len();
-    let origin = Origin { source, protocol: text, versions: manifest::versions() };
-    let baseline = Baseline::new(origin, Gate { seeds: check, settings }, found.cells)?;
+    let provenance = regress::provenance(source, &text)?;
+    let baseline = Baseline::new(provenance, Gate { seeds: check, settings }, found.cells);
     fs::write(&args.out, baseline.text()).map_err(HarnessError::io(&args.out, "write this baseline"))?;
     print(&format!(
         "{count} cells of {} seeds recorded in {}; next: goalbench regress check --baseline {1}\n",

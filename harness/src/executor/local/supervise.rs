@@ -1,15 +1,14 @@
 //! Following one run through its worker processes: events, crashes, attempts.
 
-use std::fs::OpenOptions;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 
-use reports::schema::Crash;
-use reports::store::layout;
+use reports::store::RunFolder;
 
 use super::Conduct;
 use super::complaints::{self, Listener, describe};
+use crate::error::chain;
 use crate::executor::event::Event;
 use crate::executor::signals::Stopper;
 use crate::executor::{Ending, Job};
@@ -128,17 +127,8 @@ impl Supervisor<'_> {
 
     /// Appends to the run's `crashes.jsonl`.
     fn note_crash(&self, job: &Job, attempt: u32, reason: &str) {
-        let crash = Crash { attempt, reason: reason.to_owned() };
-        let mut line = serde_json::to_vec(&crash).expect("a crash is plain data");
-        line.push(b'\n');
-        let path = job.folder.join(layout::CRASHES);
-        let written = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(&path)
-            .and_then(|mut file| file.write_all(&line));
-        if let Err(error) = written {
-            self.display.note(&format!("{}: cannot note the crash: {error}", path.display()));
+        if let Err(error) = RunFolder::new(&job.folder).note_crash(attempt, reason) {
+            self.display.note(&format!("cannot note the crash: {}", chain(&error)));
         }
     }
 }

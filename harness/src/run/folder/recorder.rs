@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use reports::schema::{Outcome, Record, Teaching, Timing};
-use reports::store::layout;
+use reports::store::{RunFolder, layout};
 use serde::{Deserialize, Serialize};
 
 use super::{checksums, write_json};
 use crate::run::train::Phase;
-use crate::tracking::{EVENTS, EventFile};
+use crate::tracking::EventFile;
 
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
-    records: Written,
-    teaching: Written,
-    timing: Written,
+pub struct Extent {
+    records: Prefix,
+    teaching: Prefix,
+    timing: Prefix,
     wall_s: f64,
     spent: Spent,
 }
@@ -33,7 +33,7 @@ struct Spent {
 
 /// The first `bytes` of a file, with their CRC-32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Written {
+struct Prefix {
     bytes: u64,
     crc: u32,
 }
@@ -47,19 +47,19 @@ struct Log {
 }
 
 impl Log {
-    /// Opens the log at `path` as it was when `written` was noted; what came later is cut off.
-    fn open(path: PathBuf, written: Written) -> std::io::Result<Self> {
+    /// Opens the log at `path` as it was when `prefix` was noted; what came later is cut off.
+    fn open(path: PathBuf, prefix: Prefix) -> std::io::Result<Self> {
         let mut file = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(&path)?;
         let mut kept = Vec::new();
-        (&mut file).take(written.bytes).read_to_end(&mut kept)?;
+        (&mut file).take(prefix.bytes).read_to_end(&mut kept)?;
         let mut crc = crc32fast::Hasher::new();
         crc.update(&kept);
-        if kept.len() as u64 != written.bytes || crc.clone().finalize() != written.crc {
+        if kept.len() as u64 != prefix.bytes || crc.clone().finalize() != prefix.crc {
             let reason = format!("{} was cut off or altered after its checkpoint", path.display());
             return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, reason));
         }
-        file.set_len(written.bytes)?;
-        Ok(Self { path, file, bytes: written.bytes, crc })
+        file.set_len(prefix.bytes)?;
+        Ok(Self { path, file, bytes: prefix.bytes, crc })
     }
 
     /// Appends a line in one piece.
@@ -74,14 +74,14 @@ impl Log {
         Ok(())
     }
 
-    fn written(&self) -> Written {
-        Written { bytes: self.bytes, crc: self.crc.clone().finalize() }
+    fn prefix(&self) -> Prefix {
+        Prefix { bytes: self.bytes, crc: self.crc.clone().finalize() }
     }
 }
 
 /// Writes a run's `records.jsonl`, `teaching.jsonl`, `timing.jsonl` and, at last, `outcome.json`.
 pub struct Recorder {
-    folder: PathBuf,
+    folder: RunFolder,
     records: Log,
     teaching: Log,
     timing: Log,
@@ -93,27 +93,28 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Goes on after `progress`; its default begins anew. Lines written after it are cut off: the run writes them again.
+    /// Goes on after `extent`; its default begins anew. Lines written after it are cut off: the run writes them again.
     /// With `tensorboard`, or where there is one already, it keeps an event file, too.
     ///
     /// # Errors
-    /// If the files cannot be written, or are not those that `progress` was noted of.
-    pub fn open(folder: &Path, progress: &Progress, tensorboard: bool) -> std::io::Result<Self> {
-        let records = Log::open(folder.join(layout::RECORDS), progress.records)?;
-        let teaching = Log::open(folder.join(layout::TEACHING), progress.teaching)?;
-        let timing = Log::open(folder.join(layout::TIMING), progress.timing)?;
+    /// If the files cannot be written, or are not those that `extent` was noted of.
+    pub fn open(folder: &Path, extent: &Extent, tensorboard: bool) -> std::io::Result<Self> {
+        let run = RunFolder::new(folder);
+        let records = Log::open(run.file(layout::RECORDS), extent.records)?;
+        let teaching = Log::open(run.file(layout::TEACHING), extent.teaching)?;
+        let timing = Log::open(run.file(layout::TIMING), extent.timing)?;
+        // After the logs are cut to what the checkpoint knows of.
+        let wanted = tensorboard || run.has(layout::EVENTS);
+        let events = wanted.then(|| EventFile::rewrite(folder)).transpose()?;
         Ok(Self {
-            folder: folder.to_owned(),
+            folder: run,
             records,
             teaching,
             timing,
-            // After the logs are cut to what the checkpoint knows of.
-            events: (tensorboard || folder.join(EVENTS).exists())
-                .then(|| EventFile::rewrite(folder))
-                .transpose()?,
-            wall_before: progress.wall_s,
+            events,
+            wall_before: extent.wall_s,
             begun: Instant::now(),
-            spent: progress.spent,
+            spent: extent.spent,
         })
     }
 
@@ -121,14 +122,14 @@ impl Recorder {
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn progress(&self) -> std::io::Result<Progress> {
+    pub fn extent(&self) -> std::io::Result<Extent> {
         self.records.file.sync_data()?;
         self.teaching.file.sync_data()?;
         self.timing.file.sync_data()?;
-        Ok(Progress {
-            records: self.records.written(),
-            teaching: self.teaching.written(),
-            timing: self.timing.written(),
+        Ok(Extent {
+            records: self.records.prefix(),
+            teaching: self.teaching.prefix(),
+            timing: self.timing.prefix(),
             wall_s: self.wall_s(),
             spent: self.spent,
         })
@@ -178,6 +179,6 @@ impl Recorder {
         self.records.file.sync_all()?;
         self.teaching.file.sync_all()?;
         checksums::write(&self.folder, run)?;
-        write_json(&self.folder.join(layout::OUTCOME), outcome)
+        write_json(&self.folder.file(layout::OUTCOME), outcome)
     }
 }

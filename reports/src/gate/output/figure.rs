@@ -1,28 +1,27 @@
 //! Curves of the baseline and now, a panel per cell.
 
-use reports::analysis::curves::{Curve, DDOF, Point, Progress};
-use reports::analysis::group::GroupKey;
-use reports::render::figure::{LearningPanel, learning};
-use reports::{methods, stats};
-
 use super::Check;
-use crate::error::HarnessError;
-use crate::regress::cells::Cell;
+use crate::analysis::curves::{Curve, DDOF, Point, Progress};
+use crate::analysis::group::GroupKey;
+use crate::gate::cells::Cell;
+use crate::gate::error::GateError;
+use crate::render::figure::{LearningPanel, learning};
+use crate::stats;
 
 /// An SVG with a panel per cell, the cells of a curriculum side by side.
 ///
 /// # Errors
-/// [`HarnessError::Report`] if drawing fails.
-pub fn figure(check: &Check<'_>) -> Result<String, HarnessError> {
+/// [`GateError::Figure`] if drawing fails.
+pub fn figure(check: &Check<'_>) -> Result<String, GateError> {
     let mut cells: Vec<(&Cell, &Cell)> = check.before.iter().zip(check.now).collect();
     // Stable: environments stay in the protocol's order.
-    cells.sort_by(|(a, _), (b, _)| methods::order(&a.curriculum, &b.curriculum));
+    cells.sort_by_cached_key(|(_, now)| check.place(&now.curriculum));
     let pairs: Vec<(String, [Curve; 2])> = cells
         .into_iter()
         .map(|(before, now)| {
             let variant =
                 if now.variant == "default" { String::new() } else { format!(" ({})", now.variant) };
-            let title = format!("{}, {}{variant}", now.environment, methods::title(&now.curriculum));
+            let title = format!("{}, {}{variant}", now.environment, check.title(&now.curriculum));
             (title, [curve(now, "now"), curve(before, "baseline")])
         })
         .collect();

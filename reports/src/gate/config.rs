@@ -4,17 +4,21 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::protocol::plan::PlannedRun;
-use crate::sha256;
+use crate::store::digest;
 
 /// Config fields by path, as in `student.batch`.
 pub type Fields = BTreeMap<String, Value>;
 
-/// Every field of the config of `run`.
-pub fn fields(run: &PlannedRun) -> Fields {
-    let config = serde_json::to_value(&run.config).expect("a config is plain data");
+/// Every field of a config that is given as one object of objects.
+///
+/// ```
+/// let config = serde_json::json!({ "student": { "batch": 16, "width": 8 } });
+/// let fields = reports::gate::config::fields(&config);
+/// assert_eq!(fields["student.batch"], 16);
+/// ```
+pub fn fields(config: &Value) -> Fields {
     let mut fields = Fields::new();
-    flatten("", &config, &mut fields);
+    flatten("", config, &mut fields);
     fields
 }
 
@@ -53,7 +57,7 @@ pub fn own(config: &Fields, common: &Fields) -> Fields {
 /// SHA-256 of a config, in hex.
 pub fn hash(config: &Fields) -> String {
     let text = serde_json::to_string(config).expect("a config is plain data");
-    sha256::hex(text.as_bytes())
+    digest::sha256(text.as_bytes())
 }
 
 /// The fields in which two configs differ, in words.
@@ -71,9 +75,7 @@ mod tests {
     use super::*;
 
     fn flat(value: Value) -> Fields {
-        let mut fields = Fields::new();
-        flatten("", &value, &mut fields);
-        fields
+        fields(&value)
     }
 
     #[test]

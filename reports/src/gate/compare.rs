@@ -1,21 +1,21 @@
 //! Comparing runs with those of a baseline.
 //!
-//! Curves that are equal byte for byte need no statistics. Otherwise every group of cells is tested by every measure. The
+//! Curves that are equal byte for byte need no statistics. Otherwise every group of cells is tested by every metric. The
 //! unit is a seed: its score is the mean over the group's cells, which share the seed's initial weights and evaluation
 //! episodes and are therefore not independent of each other. Scores of the seeds now are tested against those of the
-//! baseline by exact permutation, one-sided for success, and p-values are corrected for all tests by Holm's method. A group
-//! fell where p is at most alpha and the fall at least the smallest effect that matters.
+//! baseline by exact permutation, one-sided for success, and p-values are corrected for all tests by Holm's method. A
+//! group fell where p is at most alpha and the fall at least the smallest effect that matters.
 //!
-//! So of checks of unchanged code with other seeds at most a share of alpha fails, whatever the distribution of scores: a
-//! permutation test is exact, Holm's correction allows for any dependence, and the smallest effect only lets more pass.
+//! So of all checks of unchanged code with other seeds at most a share of alpha fails, whatever the distribution of scores:
+//! a permutation test is exact, Holm's correction allows for any dependence, and the smallest effect only lets more pass.
 
-use reports::stats::{self, Resampling};
 use serde::{Deserialize, Serialize};
 
 use super::cells::{Cell, Failure};
+use super::error::GateError;
 use super::group::{Scope, groups};
-use super::measure::{MEASURES, Measure};
-use crate::error::HarnessError;
+use super::metric::{METRICS, Metric};
+use crate::stats::{self, Resampling};
 
 /// When a check fails.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,31 +35,32 @@ impl Default for Settings {
     }
 }
 
-/// Scores of a group's seeds by one measure, before and now.
+/// Scores of a group's seeds by one metric, before and now.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Which group.
     pub scope: Scope,
-    /// What was measured.
-    pub measure: Measure,
+    /// By what it was scored.
+    pub metric: Metric,
     /// A score per seed of the baseline.
     pub before: Vec<f64>,
     /// A score per seed of the check.
     pub now: Vec<f64>,
 }
 
-/// The test of one group by one measure.
+/// The test of one group by one metric.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Test {
     /// Which group.
     pub scope: Scope,
-    /// What was measured.
-    pub measure: Measure,
+    /// By what it was scored.
+    #[serde(rename = "measure")]
+    pub metric: Metric,
     /// Mean score of the baseline.
     pub before: f64,
     /// Mean score now.
     pub now: f64,
-    /// [`Measure::change`] from one to the other.
+    /// [`Metric::change`] from one to the other.
     pub change: f64,
     /// Bootstrap interval of `now - before` over seeds; for groups that fell or moved only, `null` for a single seed.
     pub interval: Option<(f64, f64)>,
@@ -73,7 +74,7 @@ pub struct Test {
 
 /// The outcome of a check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct CheckResult {
     /// When it fails.
     pub settings: Settings,
     /// Seeds of the baseline.
@@ -92,7 +93,7 @@ pub struct Comparison {
     pub tests: Vec<Test>,
 }
 
-impl Comparison {
+impl CheckResult {
     /// Whether every run is one of the baseline's, byte for byte.
     pub fn is_identical(&self) -> bool {
         self.identical == self.shared && self.seeds_now.iter().all(|seed| self.seeds_before.contains(seed))
@@ -114,7 +115,7 @@ impl Comparison {
 ///
 /// # Panics
 /// If the cells are not the same.
-pub fn compare(before: &[Cell], now: &[Cell], failures: Vec<Failure>, settings: Settings) -> Comparison {
+pub fn compare(before: &[Cell], now: &[Cell], failures: Vec<Failure>, settings: Settings) -> CheckResult {
     assert!(before.iter().map(Cell::id).eq(now.iter().map(Cell::id)), "cells come in the same order");
     let samples = samples(before, now, settings.window);
     let seeds = |cells: &[Cell]| -> Vec<u64> {
@@ -125,7 +126,7 @@ pub fn compare(before: &[Cell], now: &[Cell], failures: Vec<Failure>, settings: 
     for (test, sample) in tests.iter_mut().zip(&samples).filter(|(test, _)| test.failed) {
         test.interval = interval(sample);
     }
-    let mut comparison = Comparison {
+    let mut result = CheckResult {
         settings,
         seeds_before,
         seeds_now,
@@ -138,13 +139,13 @@ pub fn compare(before: &[Cell], now: &[Cell], failures: Vec<Failure>, settings: 
     for (before, now) in before.iter().zip(now) {
         let pairs = now.curves.iter().filter_map(|(seed, curve)| Some((curve, before.curves.get(seed)?)));
         let equal: Vec<bool> = pairs.map(|(now, before)| now.records == before.records).collect();
-        comparison.shared += equal.len();
-        comparison.identical += equal.iter().filter(|equal| **equal).count();
+        result.shared += equal.len();
+        result.identical += equal.iter().filter(|equal| **equal).count();
         if equal.contains(&false) {
-            comparison.differing.push(now.id());
+            result.differing.push(now.id());
         }
     }
-    comparison
+    result
 }
 
 /// Ways to split the seeds that are still enumerated in a moment.
@@ -153,46 +154,38 @@ const MOST_PERMUTATIONS: f64 = 5e6;
 /// Refuses numbers of seeds with which no test can fail: that gate would be no gate.
 ///
 /// # Errors
-/// [`HarnessError::Argument`] saying what would do.
-pub fn check_seeds(now: usize, before: usize, tests: usize, alpha: f64) -> Result<(), HarnessError> {
-    let wrong = |reason| Err(HarnessError::Argument { option: "--seeds", reason });
+/// [`GateError::TooFewSeeds`] and [`GateError::TooManySeeds`], which say what would do.
+pub fn check_seeds(now: usize, before: usize, tests: usize, alpha: f64) -> Result<(), GateError> {
     let splits = stats::permutations(now, before);
-    let lowest = tests as f64 / splits;
-    if now == 0 || lowest > alpha {
-        return wrong(format!(
-            "{now} now against {before} in the baseline: no fall can be significant, since the lowest p-value is 1 in \
-             {splits}, corrected for {tests} tests {lowest:.2}, above alpha = {alpha}; take more seeds, or fewer cells"
-        ));
+    if now == 0 || tests as f64 / splits > alpha {
+        return Err(GateError::TooFewSeeds { now, before, tests, splits, alpha });
     }
     if splits > MOST_PERMUTATIONS {
-        return wrong(format!(
-            "{now} now and {before} in the baseline can be split in {splits:.0e} ways, too many for an exact test; take \
-             fewer of them"
-        ));
+        return Err(GateError::TooManySeeds { now, before, splits });
     }
     Ok(())
 }
 
-/// Scores of every group by every measure that it takes.
+/// Scores of every group by every metric that it takes.
 pub fn samples(before: &[Cell], now: &[Cell], window: usize) -> Vec<Sample> {
     let mut samples = Vec::new();
-    for measure in MEASURES {
-        for group in groups(now).into_iter().filter(|group| group.takes(measure)) {
-            let scores = |cells: &[Cell]| scores(cells, &group.cells, measure, window);
+    for metric in METRICS {
+        for group in groups(now).into_iter().filter(|group| group.takes(metric)) {
+            let scores = |cells: &[Cell]| scores(cells, &group.cells, metric, window);
             if let (Some(before), Some(now)) = (scores(before), scores(now)) {
-                samples.push(Sample { scope: group.scope, measure, before, now });
+                samples.push(Sample { scope: group.scope, metric, before, now });
             }
         }
     }
     samples
 }
 
-/// The score of every seed: the mean over the cells of `group`. `None` where a run lacks the measure.
-fn scores(cells: &[Cell], group: &[usize], measure: Measure, window: usize) -> Option<Vec<f64>> {
+/// The score of every seed: the mean over the cells of `group`. `None` where a run lacks the metric.
+fn scores(cells: &[Cell], group: &[usize], metric: Metric, window: usize) -> Option<Vec<f64>> {
     let of_seed = |seed: &u64| {
         let scores: Option<Vec<f64>> = group
             .iter()
-            .map(|&index| measure.of(&cells[index], cells[index].curves.get(seed)?, window))
+            .map(|&index| metric.of(&cells[index], cells[index].curves.get(seed)?, window))
             .collect();
         stats::mean(&scores?)
     };
@@ -207,17 +200,17 @@ pub fn judge(samples: &[Sample], settings: Settings) -> Vec<Test> {
     let known = "a sample has seeds on both sides";
     let p = |sample: &Sample| {
         let p = stats::permutation(&sample.now, &sample.before).expect(known);
-        if sample.measure.is_success() { p.lower } else { p.either }
+        if sample.metric.is_success() { p.lower } else { p.either }
     };
     let p_values: Vec<f64> = samples.iter().map(p).collect();
     let test = |((sample, &p), p_holm): ((&Sample, &f64), f64)| {
         let (before, now) =
             (stats::mean(&sample.before).expect(known), stats::mean(&sample.now).expect(known));
-        let change = sample.measure.change(before, now);
-        let matters = if sample.measure.is_success() { -change } else { change.abs() };
+        let change = sample.metric.change(before, now);
+        let matters = if sample.metric.is_success() { -change } else { change.abs() };
         Test {
             scope: sample.scope.clone(),
-            measure: sample.measure,
+            metric: sample.metric,
             before,
             now,
             change,
@@ -239,26 +232,7 @@ fn interval(sample: &Sample) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regress::cells::Curve;
-
-    /// A cell whose run of each seed has successes 0, then so many of 10.
-    fn cell(environment: &str, curriculum: &str, last: &[u64]) -> Cell {
-        let mut cell = Cell::empty(environment, curriculum);
-        for (seed, &successes) in (0..).zip(last) {
-            let records = format!("{environment}-{curriculum}-{seed}-{successes}");
-            cell.curves.insert(
-                seed,
-                Curve {
-                    records,
-                    successes: vec![0, successes],
-                    effective_goals: None,
-                    effective_picks: None,
-                    pick_rank: None,
-                },
-            );
-        }
-        cell
-    }
+    use crate::gate::testing::cell;
 
     const SETTINGS: Settings = Settings { alpha: 0.05, smallest_effect: 0.1, window: 1 };
 
@@ -268,7 +242,7 @@ mod tests {
         let now = [cell("A", "x", &[5, 6, 4])];
         let found = compare(&before, &now, vec![], SETTINGS);
         // One of 84 splits is as low; the area is half the last success, the final success all of it.
-        let [area, last] = &found.tests[..] else { panic!("two measures: {:?}", found.tests) };
+        let [area, last] = &found.tests[..] else { panic!("two metrics: {:?}", found.tests) };
         assert_eq!((area.p, area.p_holm, area.failed), (1.0 / 84.0, 2.0 / 84.0, true));
         assert!((area.change + 0.2).abs() < 1e-12 && (last.change + 0.4).abs() < 1e-12);
         let (low, high) = last.interval.expect("several seeds");
@@ -293,7 +267,7 @@ mod tests {
         let all = samples(&cells, &cells, 1);
         let last = all
             .iter()
-            .find(|s| s.measure == Measure::FinalSuccess && s.scope.to_string() == "A, all curricula");
+            .find(|s| s.metric == Metric::FinalSuccess && s.scope.to_string() == "A, all curricula");
         assert_eq!(last.expect("the environment is a group").now, [0.5, 0.75]);
     }
 
@@ -337,8 +311,8 @@ mod tests {
         for now in [[150.0, 151.0, 152.0], [50.0, 51.0, 52.0]] {
             let settings = Settings { alpha: 0.1, ..SETTINGS };
             let found = compare(&before, &teacher(&now), vec![], settings);
-            let failed: Vec<Measure> = found.failed().map(|test| test.measure).collect();
-            assert_eq!(failed, [Measure::EffectiveGoals], "{now:?}");
+            let failed: Vec<Metric> = found.failed().map(|test| test.metric).collect();
+            assert_eq!(failed, [Metric::EffectiveGoals], "{now:?}");
         }
     }
 }

@@ -1,14 +1,14 @@
 //! What is tested: single cells, and all cells of an environment, of a curriculum, of everything.
 //!
-//! A fault of the student shows in every cell a little. Averaged over a row or column of cells it stands out from the noise of
-//! few seeds, where no single cell could tell it.
+//! A fault of the student shows in every cell a little. Averaged over a row or column of cells it stands out from the
+//! noise of few seeds, where no single cell could tell it.
 
 use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
 use super::cells::Cell;
-use super::measure::Measure;
+use super::metric::Metric;
 
 /// What the cells of a group have in common. Ordered as tables are: the widest first.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,22 +42,22 @@ impl Serialize for Scope {
 
 /// Cells that are tested together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct CellGroup {
     /// What they have in common.
     pub scope: Scope,
     /// Their indices; never empty.
     pub cells: Vec<usize>,
 }
 
-impl Group {
-    /// Whether `measure` can be averaged over these cells: numbers of goals only over those of one curriculum.
-    pub fn takes(&self, measure: Measure) -> bool {
-        measure.is_success() || matches!(self.scope, Scope::Cell(_) | Scope::Curriculum(_))
+impl CellGroup {
+    /// Whether `metric` can be averaged over these cells: numbers of goals only over those of one curriculum.
+    pub fn takes(&self, metric: Metric) -> bool {
+        metric.is_success() || matches!(self.scope, Scope::Cell(_) | Scope::Curriculum(_))
     }
 }
 
 /// All groups of `cells`, the widest first; none that holds the same cells as a narrower one.
-pub fn groups(cells: &[Cell]) -> Vec<Group> {
+pub fn groups(cells: &[Cell]) -> Vec<CellGroup> {
     let mut by_scope: BTreeMap<Scope, Vec<usize>> = BTreeMap::new();
     for (index, cell) in cells.iter().enumerate() {
         let scopes = [
@@ -70,18 +70,20 @@ pub fn groups(cells: &[Cell]) -> Vec<Group> {
             by_scope.entry(scope).or_default().push(index);
         }
     }
-    let all: Vec<Group> = by_scope.into_iter().map(|(scope, cells)| Group { scope, cells }).collect();
-    let is_new =
-        |(index, group): &(usize, &Group)| all[index + 1..].iter().all(|other| other.cells != group.cells);
+    let all: Vec<CellGroup> = by_scope.into_iter().map(|(scope, cells)| CellGroup { scope, cells }).collect();
+    let is_new = |(index, group): &(usize, &CellGroup)| {
+        all[index + 1..].iter().all(|other| other.cells != group.cells)
+    };
     all.iter().enumerate().filter(is_new).map(|(_, group)| group.clone()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gate::testing::cell;
 
     fn names(cells: &[(&str, &str)]) -> Vec<String> {
-        let cells: Vec<Cell> = cells.iter().map(|(e, c)| Cell::empty(e, c)).collect();
+        let cells: Vec<Cell> = cells.iter().map(|(e, c)| cell(e, c, &[])).collect();
         groups(&cells).iter().map(|group| format!("{} {:?}", group.scope, group.cells)).collect()
     }
 

@@ -1,25 +1,24 @@
-//! A comparison as the summary of a CI step.
-
-use reports::render::table::{Align, Table};
+//! The result of a check as the summary of a CI step.
 
 use super::{Check, change, interval, score};
-use crate::regress::compare::Test;
+use crate::gate::compare::Test;
+use crate::render::table::{Align, Table};
 
 /// Markdown: the outcome, what fell, and all tests to unfold.
 pub fn markdown(check: &Check<'_>) -> String {
-    let comparison = check.comparison;
+    let result = check.result;
     let mut text = format!("### Regression gate\n\n**{}**\n\n", check.headline());
     for note in &check.notes {
         text += &format!("- {note}\n");
     }
-    for failure in &comparison.failures {
+    for failure in &result.failures {
         text += &format!("- `{}`: {}\n", failure.run, failure.reason.replace('\n', " "));
     }
-    let failed: Vec<&Test> = comparison.failed().collect();
+    let failed: Vec<&Test> = result.failed().collect();
     if !failed.is_empty() {
         text += &format!("\n{}\n", table("What fell:", &failed));
     }
-    let all: Vec<&Test> = comparison.tests.iter().collect();
+    let all: Vec<&Test> = result.tests.iter().collect();
     text += &format!("\n<details><summary>All {} tests</summary>\n\n", all.len());
     text += &table(&check.method(), &all);
     text + "\n</details>\n"
@@ -32,9 +31,9 @@ fn table(caption: &str, tests: &[&Test]) -> String {
     let row = |test: &&Test| {
         vec![
             test.scope.to_string(),
-            test.measure.title().to_owned(),
-            score(test.measure, test.before),
-            score(test.measure, test.now),
+            test.metric.title().to_owned(),
+            score(test.metric, test.before),
+            score(test.metric, test.now),
             change(test),
             interval(test),
             format!("{:.2e}", test.p),

@@ -4,22 +4,21 @@ mod checksums;
 mod recorder;
 
 use std::fs::{self, Permissions};
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use reports::schema::{Manifest, Outcome};
-use reports::store::layout;
+use reports::store::RunFolder;
+use reports::store::layout::{self, Lives};
+pub use reports::store::read_json;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 use tempfile::NamedTempFile;
 
-use super::checkpoint::CHECKPOINT;
 use super::manifest::{self, differences};
 use crate::config::RunConfig;
 use crate::error::HarnessError;
-pub use checksums::CHECKSUMS;
-pub use recorder::{Progress, Recorder};
+pub use recorder::{Extent, Recorder};
 
 /// What a run's folder holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,19 +34,20 @@ pub enum State {
 /// Looks at `folder` for the run that `wanted` describes; changes nothing.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of another version of
-/// the program; [`HarnessError::Damaged`] if its files are not what they were.
+/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of another version
+/// of the program; [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let Some(found) = read_json::<Manifest>(&path)? else {
-        let left = [layout::RECORDS, layout::OUTCOME, CHECKPOINT].into_iter();
-        return match left.map(|name| folder.join(name)).find(|path| path.exists()) {
+    let run = RunFolder::new(folder);
+    let path = run.file(layout::MANIFEST);
+    let Some(found) = run.manifest()? else {
+        let mut left = [layout::RECORDS, layout::OUTCOME, layout::CHECKPOINT].into_iter();
+        return match left.find(|name| run.has(name)) {
             None => Ok(State::New),
             Some(left) => Err(HarnessError::Damaged {
                 path,
                 reason: format!(
                     "is missing, though there is {}; delete this run's folder to train it anew",
-                    left.display()
+                    run.file(left).display()
                 ),
             }),
         };
@@ -78,11 +78,12 @@ fn check_program(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError>
 /// How the run of `manifest` in `folder` ended, its records verified; `None` if it has not.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`] if its files are not what they were when it ended.
+/// [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not what they were when it ended.
 pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, HarnessError> {
-    let outcome = read_json::<Outcome>(&folder.join(layout::OUTCOME))?;
+    let run = RunFolder::new(folder);
+    let outcome = run.outcome()?;
     if outcome.is_some() {
-        checksums::verify(folder, manifest)?;
+        checksums::verify(&run, manifest)?;
     }
     Ok(outcome)
 }
@@ -90,48 +91,23 @@ pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, Ha
 /// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Io`] if its files cannot be removed.
+/// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its files cannot
+/// be removed.
 pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
     check_program(folder, &read_manifest(folder)?.0)?;
-    // The outcome first: without it, checksums are not looked at.
-    for name in [layout::OUTCOME, CHECKSUMS] {
-        let path = folder.join(name);
-        fs::remove_file(&path).map_err(HarnessError::io(path, "remove this file"))?;
-    }
-    Ok(())
+    Ok(RunFolder::new(folder).remove(Lives::UntilReopened)?)
 }
 
 /// The manifest in a run's folder, with its config.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`] if there is none, or it is not what was written.
+/// [`HarnessError::Damaged`] or [`HarnessError::Store`] if there is none, or it is not what was written.
 pub fn read_manifest(folder: &Path) -> Result<(Manifest, RunConfig), HarnessError> {
-    let path = folder.join(layout::MANIFEST);
-    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
-    let manifest: Manifest = read_json(&path)?.ok_or_else(|| damaged("there is no manifest".into()))?;
+    let run = RunFolder::new(folder);
+    let damaged = |reason| HarnessError::Damaged { path: run.file(layout::MANIFEST), reason };
+    let manifest = run.manifest()?.ok_or_else(|| damaged("there is no manifest".into()))?;
     let config = manifest::config(&manifest).map_err(damaged)?;
     Ok((manifest, config))
-}
-
-/// Reads a JSON file; `None` if there is none.
-///
-/// # Errors
-/// [`HarnessError::Damaged`] if it is something else than expected.
-pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, HarnessError> {
-    let text = match fs::read_to_string(path) {
-        Ok(text) => text,
-        // A path that leads through a file is told when the folder is to be created.
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-            return Ok(None);
-        }
-        Err(source) => {
-            return Err(HarnessError::Io { path: path.to_owned(), action: "read this file", source });
-        }
-    };
-    serde_json::from_str(&text).map(Some).map_err(|error| HarnessError::Damaged {
-        path: path.to_owned(),
-        reason: format!("was cut off or altered ({error}); delete the folder that it lies in to begin anew"),
-    })
 }
 
 /// Creates the folder with its manifest.

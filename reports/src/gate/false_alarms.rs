@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use super::cells::Cell;
 use super::compare::{Sample, Settings, check_seeds, judge, samples};
-use crate::error::HarnessError;
+use super::error::GateError;
+use crate::stats;
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,20 +45,17 @@ impl FalseAlarms {
 /// Draws two disjoint groups of seeds of `cells`, again and again, and compares one with the other.
 ///
 /// # Errors
-/// [`HarnessError::Argument`] if there are not so many seeds, or too few for any check to fail.
+/// [`GateError::Draws`] if there are not so many seeds, [`GateError::TooFewSeeds`] if no check could fail.
 pub fn simulate(
     cells: &[Cell],
     simulation: Simulation,
     settings: Settings,
-) -> Result<FalseAlarms, HarnessError> {
+) -> Result<FalseAlarms, GateError> {
     let Simulation { now, before, draws, seed } = simulation;
     let all = samples(cells, cells, settings.window);
     let recorded = all.first().map_or(0, |sample| sample.now.len());
     if now + before > recorded || draws == 0 {
-        let reason = format!(
-            "{draws} draws of {now} and {before} other seeds; the baseline has {recorded}, at least one draw is needed"
-        );
-        return Err(HarnessError::Argument { option: "--now, --before, --draws", reason });
+        return Err(GateError::Draws { draws, now, before, recorded });
     }
     check_seeds(now, before, all.len(), settings.alpha)?;
     let fails = |draw: &u64| {
@@ -68,7 +66,7 @@ pub fn simulate(
         judge(&split, settings).iter().any(|test| test.failed)
     };
     let failed = (0..draws).into_par_iter().filter(fails).count() as u64;
-    let interval = reports::stats::wilson_interval(failed, draws, 0.95).expect("there are draws");
+    let interval = stats::wilson_interval(failed, draws, 0.95).expect("there are draws");
     Ok(FalseAlarms { failed, draws, interval })
 }
 
@@ -77,7 +75,7 @@ fn split(sample: &Sample, chosen: &[usize], now: usize) -> Sample {
     let take = |chosen: &[usize]| chosen.iter().map(|&index| sample.now[index]).collect();
     Sample {
         scope: sample.scope.clone(),
-        measure: sample.measure,
+        metric: sample.metric,
         now: take(&chosen[..now]),
         before: take(&chosen[now..]),
     }
@@ -86,24 +84,11 @@ fn split(sample: &Sample, chosen: &[usize], now: usize) -> Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regress::cells::Curve;
+    use crate::gate::testing::cell;
 
     /// One cell with a run for each of `last`, of which so many of 10 episodes are successful in the end.
     fn cells(last: impl Iterator<Item = u64>) -> [Cell; 1] {
-        let mut cell = Cell::empty("A", "x");
-        for (seed, last) in (0..).zip(last) {
-            cell.curves.insert(
-                seed,
-                Curve {
-                    records: String::new(),
-                    successes: vec![0, last],
-                    effective_goals: None,
-                    effective_picks: None,
-                    pick_rank: None,
-                },
-            );
-        }
-        [cell]
+        [cell("A", "x", &last.collect::<Vec<_>>())]
     }
 
     #[test]
@@ -112,11 +97,13 @@ mod tests {
         let settings = Settings { alpha: 0.05, smallest_effect: 0.0, window: 1 };
         let none = simulate(&cells((0..12).map(|_| 5)), simulation, settings).expect("enough seeds");
         assert_eq!(none.failed, 0);
-        // Half of the runs fail, half succeed, as where learning takes off early or late: no test may alarm too often.
+        // Half of the runs fail, half succeed, as where learning takes off early or late: no test may alarm too
+        // often.
         let some =
             simulate(&cells((0..12).map(|i| 10 * (i % 2))), simulation, settings).expect("enough seeds");
         assert!(some.rate() <= 0.05, "{some:?}");
-        // Twelve different runs: the lowest three of ten are drawn in 1 of 120 checks, the next two sets count as well.
+        // Eleven different runs: the lowest three of eleven are drawn in 1 of 165 checks, the next two sets count as
+        // well.
         let ranks =
             simulate(&cells(0..=10), Simulation { before: 8, ..simulation }, settings).expect("enough seeds");
         assert!(ranks.failed > 0 && ranks.interval.0 <= 0.05, "{ranks:?}");

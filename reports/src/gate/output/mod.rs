@@ -1,4 +1,4 @@
-//! A comparison for people and for CI systems.
+//! The result of a check for people and for CI systems.
 
 mod figure;
 mod junit;
@@ -11,9 +11,11 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::cells::Cell;
-use super::compare::{Comparison, Test};
-use super::measure::Measure;
-use crate::error::HarnessError;
+use super::compare::{CheckResult, Test};
+use super::error::GateError;
+use super::metric::Metric;
+use crate::render::figure as draw;
+use crate::store::StoreError;
 
 pub use figure::figure;
 pub use junit::junit;
@@ -35,7 +37,7 @@ pub const PNG: &str = "regression.png";
 #[derive(Clone, Debug)]
 pub struct Check<'a> {
     /// What came out.
-    pub comparison: &'a Comparison,
+    pub result: &'a CheckResult,
     /// Cells of the baseline.
     pub before: &'a [Cell],
     /// The same cells now.
@@ -44,17 +46,19 @@ pub struct Check<'a> {
     pub exact: bool,
     /// Further lines worth saying: other versions, cells left out.
     pub notes: Vec<String>,
+    /// Ids and titles of curricula in the order of figures; any other comes after them, by id.
+    pub titles: &'a [(String, String)],
 }
 
 impl Check<'_> {
     /// Whether the check passed.
     pub fn passed(&self) -> bool {
-        self.comparison.passed(self.exact)
+        self.result.passed(self.exact)
     }
 
     /// The outcome in one sentence.
     pub fn headline(&self) -> String {
-        let c = self.comparison;
+        let c = self.result;
         let failed = c.failed().count();
         let runs = self.now.iter().map(|cell| cell.curves.len()).sum::<usize>();
         if !c.failures.is_empty() {
@@ -77,13 +81,25 @@ impl Check<'_> {
         format!("passed: none of {} tests failed; {curves}", c.tests.len())
     }
 
+    /// The place of a curriculum in figures.
+    fn place<'b>(&self, curriculum: &'b str) -> (usize, &'b str) {
+        let known = self.titles.iter().position(|(id, _)| id == curriculum);
+        (known.unwrap_or(self.titles.len()), curriculum)
+    }
+
+    /// The name of a curriculum in figures.
+    fn title<'b>(&'b self, curriculum: &'b str) -> &'b str {
+        self.titles.iter().find(|(id, _)| id == curriculum).map_or(curriculum, |(_, title)| title)
+    }
+
     /// How was compared.
     pub fn method(&self) -> String {
-        let Comparison { settings: s, seeds_before, seeds_now, tests, .. } = self.comparison;
+        let CheckResult { settings: s, seeds_before, seeds_now, tests, .. } = self.result;
         format!(
-            "Seeds: {} now, {} in the baseline. A group of runs fell where its mean over seeds is lower by {} or more and p <= {}: \
-             exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean of the last \
-             {} evaluations. Effective goals, exp(entropy) of the teacher's choice, and what it picked: two-sided, a change of {} % or more.",
+            "Seeds: {} now, {} in the baseline. A group of runs fell where its mean over seeds is lower by {} or more and \
+             p <= {}: exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean \
+             of the last {} evaluations. Effective goals, exp(entropy) of the teacher's choice, and what it picked: \
+             two-sided, a change of {} % or more.",
             seeds_now.len(),
             seeds_before.len(),
             s.smallest_effect,
@@ -95,9 +111,9 @@ impl Check<'_> {
     }
 }
 
-/// The whole comparison as JSON.
+/// The whole result as JSON.
 pub fn json(check: &Check<'_>) -> Value {
-    let mut value = serde_json::to_value(check.comparison).expect("a comparison is plain data");
+    let mut value = serde_json::to_value(check.result).expect("a result is plain data");
     value["passed"] = check.passed().into();
     value["exact"] = check.exact.into();
     value["headline"] = check.headline().into();
@@ -108,33 +124,33 @@ pub fn json(check: &Check<'_>) -> Value {
 /// Writes every form of output into `folder` and names the files.
 ///
 /// # Errors
-/// [`HarnessError`] if a file cannot be written or the figure not be drawn.
-pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, HarnessError> {
-    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+/// [`GateError`] if a file cannot be written or the figure not be drawn.
+pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, GateError> {
+    fs::create_dir_all(folder).map_err(StoreError::io(folder, "create this folder"))?;
     let svg = figure(check)?;
     let files = [
         (JSON, format!("{:#}\n", json(check)).into_bytes()),
         (JUNIT, junit(check).into_bytes()),
         (SUMMARY, markdown(check).into_bytes()),
-        (PNG, reports::render::figure::png("regression", &svg)?),
-        (SVG, reports::render::figure::outlined("regression", &svg)?.into_bytes()),
+        (PNG, draw::png("regression", &svg)?),
+        (SVG, draw::outlined("regression", &svg)?.into_bytes()),
     ];
     let write = |(name, bytes): (&str, Vec<u8>)| {
         let path = folder.join(name);
-        fs::write(&path, bytes).map_err(HarnessError::io(&path, "write this file"))?;
+        fs::write(&path, bytes).map_err(StoreError::io(&path, "write this file"))?;
         Ok(path)
     };
     files.into_iter().map(write).collect()
 }
 
 /// A score as tables show it.
-fn score(measure: Measure, value: f64) -> String {
-    if measure.is_success() { format!("{value:.3}") } else { format!("{value:.1}") }
+fn score(metric: Metric, value: f64) -> String {
+    if metric.is_success() { format!("{value:.3}") } else { format!("{value:.1}") }
 }
 
 /// A change as tables show it.
 fn change(test: &Test) -> String {
-    if test.measure.is_success() {
+    if test.metric.is_success() {
         format!("{:+.3}", test.change)
     } else {
         format!("{:+.0} %", test.change * 100.0)
@@ -144,7 +160,7 @@ fn change(test: &Test) -> String {
 /// The bootstrap interval of the difference as tables show it.
 fn interval(test: &Test) -> String {
     test.interval.map_or("-".to_owned(), |(low, high)| {
-        if test.measure.is_success() {
+        if test.metric.is_success() {
             format!("[{low:+.3}, {high:+.3}]")
         } else {
             format!("[{low:+.1}, {high:+.1}]")

@@ -15,18 +15,19 @@ use reports::schema::RunKey;
 
 use super::{Exit, FAILED, complain, print};
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, chain};
 use crate::run::evaluate::{LOCKSTEP, Tally, tally};
 use crate::run::policy::Policy;
-use find::{Found, Subject, find};
+use find::{Chosen, Subject, find};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Each run's greedy policy as of its last checkpoint plays the same episodes: their starts and goals depend on environment, --seed \
-and number alone, and no training run's own evaluations meet them. Nothing is written, and runs may be in progress.
+Each run's greedy policy as of its last checkpoint plays the same episodes: their starts and goals depend on \
+environment, --seed and number alone, and no training run's own evaluations meet them. Nothing is written, and runs may \
+be in progress.
 
-Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be evaluated, \
-or one given by itself broke down.")]
+Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be \
+evaluated, or one given by itself broke down.")]
 pub(super) struct Args {
     /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
     #[arg(required = true, value_name = "PATH")]
@@ -59,7 +60,7 @@ struct Measured {
 }
 
 pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
-    let Found { subjects, mut left_out } = find(registry, &args.paths)?;
+    let Chosen { subjects, mut left_out } = find(registry, &args.paths)?;
     let outcomes = measure_all(registry, &subjects, args)?;
     let (mut measured, mut broken) = (Vec::new(), false);
     for (subject, outcome) in subjects.iter().zip(outcomes) {
@@ -77,7 +78,7 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
         print(&output::as_text(&measured));
     }
     for error in left_out {
-        complain(&format!("goalbench: left out: {error}"));
+        complain(&format!("goalbench: left out: {}", chain(&error)));
     }
     if measured.is_empty() {
         complain("goalbench: no run was evaluated");

@@ -1,0 +1,98 @@
+//! Reading a run leniently: what is sound is used, everything else is named.
+
+use super::error::StoreError;
+use super::problem::{Fault, Problem};
+use super::results::Results;
+use super::run_folder::{JsonLine, RunFolder};
+use super::{Run, check, layout, lines};
+use crate::schema::{Crash, Manifest, SCHEMA};
+
+/// A run's folder and what was found wrong in it so far.
+pub(super) struct Loader<'a> {
+    results: &'a Results,
+    folder: &'a RunFolder,
+    problems: Vec<Problem>,
+}
+
+impl<'a> Loader<'a> {
+    pub(super) fn new(results: &'a Results, folder: &'a RunFolder) -> Self {
+        Self { results, folder, problems: Vec::new() }
+    }
+
+    /// What was found wrong.
+    pub(super) fn into_problems(self) -> Vec<Problem> {
+        self.problems
+    }
+
+    /// Notes that something is wrong with a file.
+    pub(super) fn fault(&mut self, file: &str, line: Option<usize>, fault: Fault) {
+        let path = self.results.relative(&self.folder.file(file)).to_owned();
+        self.problems.push(Problem { path, line, fault });
+    }
+
+    /// What a strict reading gives; an error becomes a problem with the file.
+    fn take<T>(
+        &mut self,
+        file: &str,
+        expected: &'static str,
+        read: Result<Option<T>, StoreError>,
+    ) -> Option<T> {
+        read.unwrap_or_else(|error| {
+            let fault = match error {
+                StoreError::Io { source, .. } => Fault::Unreadable { reason: source.to_string() },
+                StoreError::Json { source, .. } => Fault::Malformed { expected, reason: source.to_string() },
+                error => Fault::Malformed { expected, reason: error.to_string() },
+            };
+            self.fault(file, None, fault);
+            None
+        })
+    }
+
+    /// The sound lines of the file of `T`, with their numbers.
+    pub(super) fn lines<T: JsonLine>(&mut self) -> Vec<(usize, T)> {
+        let bytes = self.take(T::FILE, T::NAME, self.folder.bytes(T::FILE)).unwrap_or_default();
+        let mut sound = Vec::new();
+        for (line, value) in lines::parse(&bytes) {
+            match value {
+                Ok(value) => sound.push((line, value)),
+                Err(bad) => self.fault(T::FILE, Some(line), bad.fault(T::NAME)),
+            }
+        }
+        sound
+    }
+
+    /// There is no run without a manifest of this folder and of this schema.
+    fn manifest(&mut self) -> Option<Manifest> {
+        let manifest = self.take(layout::MANIFEST, "manifest", self.folder.manifest())?;
+        let fault = if manifest.schema != SCHEMA {
+            Fault::Schema { found: manifest.schema, expected: SCHEMA }
+        } else if self.folder.check_place(&manifest).is_err() {
+            Fault::Misplaced { found: manifest.run }
+        } else {
+            return Some(manifest);
+        };
+        self.fault(layout::MANIFEST, None, fault);
+        None
+    }
+
+    /// The run, as far as it can be used.
+    pub(super) fn run(&mut self) -> Option<Run> {
+        let manifest = self.manifest()?;
+        let records = check::records(self, &manifest.run);
+        let timings = check::timings(self, &manifest.run);
+        let outcome = self.take(layout::OUTCOME, "outcome", self.folder.outcome());
+        match &outcome {
+            Some(outcome) => {
+                for fault in check::outcome(outcome, records.last().map(|record| record.step)) {
+                    self.fault(layout::OUTCOME, None, fault);
+                }
+            }
+            None => {
+                for (line, Crash { attempt, reason, .. }) in self.lines() {
+                    self.fault(layout::CRASHES, Some(line), Fault::Crashed { attempt, reason });
+                }
+            }
+        }
+        Some(Run { manifest, records, timings, outcome })
+    }
+}
