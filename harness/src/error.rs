@@ -1,8 +1,17 @@
 //! What a user can run into, worded for them.
+//!
+//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error says its own part
+//! alone: what caused it is its [`source`](std::error::Error::source), and [`chain`] puts both together for people.
 
+use std::error::Error;
 use std::path::PathBuf;
 
+use reports::schema::RunKey;
+
 use crate::suggest::hint;
+
+/// What caused an error, where several kinds of error can.
+pub type Cause = Box<dyn Error + Send + Sync>;
 
 /// Errors of the harness. Each says what was wrong, where, and what is accepted.
 #[derive(Debug, thiserror::Error)]
@@ -89,7 +98,7 @@ pub enum HarnessError {
         reason: String,
     },
     /// A file operation failed.
-    #[error("{path}: cannot {action}: {source}")]
+    #[error("{path}: cannot {action}")]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -98,6 +107,14 @@ pub enum HarnessError {
         /// Why it failed.
         source: std::io::Error,
     },
+    /// The system refused something that is not about a file.
+    #[error("cannot {action}")]
+    System {
+        /// What was tried, as in `listen for signals`.
+        action: &'static str,
+        /// Why it failed.
+        source: Cause,
+    },
     /// The report could not be made.
     #[error(transparent)]
     Report(#[from] reports::ReportError),
@@ -105,14 +122,24 @@ pub enum HarnessError {
     #[error(transparent)]
     Traces(envs::trace::TraceError),
     /// The machine failed a run, which may go better another time: too little memory, for one.
-    #[error("{run}: {reason}")]
+    #[error("{run}")]
     Machine {
-        /// Run id.
-        run: String,
+        /// The run.
+        run: RunKey,
         /// What it could not do.
-        reason: String,
+        source: Cause,
     },
-    /// A run could not be carried out at all.
+    /// A run cannot be carried out, here or with this config.
+    #[error("{run}: cannot {action}")]
+    Impossible {
+        /// The run.
+        run: RunKey,
+        /// What was tried, as in `begin`.
+        action: &'static str,
+        /// What broke down.
+        source: Cause,
+    },
+    /// A run did not come to the end that something else needs.
     #[error("{run}: {reason}")]
     Run {
         /// Run id.
@@ -127,7 +154,7 @@ impl HarnessError {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
-            Self::Machine { .. } => true,
+            Self::System { .. } | Self::Machine { .. } => true,
             _ => false,
         }
     }
@@ -146,5 +173,52 @@ impl HarnessError {
     pub fn io(path: impl Into<PathBuf>, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { path, action, source }
+    }
+
+    /// Wraps what the system refused: `.map_err(HarnessError::system("listen for signals"))`.
+    pub fn system<E: Into<Cause>>(action: &'static str) -> impl FnOnce(E) -> Self {
+        move |error| Self::System { action, source: error.into() }
+    }
+
+    /// Wraps why a run cannot be carried out: `.map_err(HarnessError::impossible(&key, "begin"))`.
+    pub fn impossible<E: Into<Cause>>(run: &RunKey, action: &'static str) -> impl FnOnce(E) -> Self {
+        let run = run.clone();
+        move |error| Self::Impossible { run, action, source: error.into() }
+    }
+}
+
+/// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`. A cause whose
+/// first line the text ends with already is not repeated.
+pub fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let told = error.to_string();
+        if !text.ends_with(told.lines().next().unwrap_or_default()) {
+            text += ": ";
+            text += &told;
+        }
+        cause = error.source();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use super::*;
+
+    #[test]
+    fn causes_are_told_once_each() {
+        let full = || io::Error::new(io::ErrorKind::StorageFull, "no space");
+        let file = HarnessError::io("a/b", "write this file")(full());
+        assert_eq!(chain(&file), "a/b: cannot write this file: no space");
+        let system = HarnessError::system("go on")(file);
+        assert_eq!(chain(&system), "cannot go on: a/b: cannot write this file: no space");
+        #[derive(Debug, thiserror::Error)]
+        #[error("b: {0}")]
+        struct Repeats(#[from] io::Error);
+        assert_eq!(chain(&Repeats(full())), "b: no space");
     }
 }

@@ -8,9 +8,9 @@ use reports::schema::{Manifest, Outcome};
 use reports::store::layout;
 
 use crate::error::HarnessError;
-use crate::executor::is_locked;
 use crate::run::checkpoint::{CHECKPOINT, REPLAY};
 use crate::run::folder::{self, CHECKSUMS};
+use crate::run::lock::is_locked;
 use crate::status::find_runs;
 use crate::tracking::EVENTS;
 

@@ -8,9 +8,9 @@ use reports::store::layout;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::error::HarnessError;
-use crate::executor::is_locked;
+use crate::error::{HarnessError, chain};
 use crate::run::folder;
+use crate::run::lock::is_locked;
 
 /// What a run is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -81,7 +81,7 @@ pub fn status(results: &Path) -> Result<Vec<RunStatus>, HarnessError> {
     folders.sort();
     let state = |folder: &PathBuf| {
         run_status(folder).unwrap_or_else(|error| RunStatus {
-            reason: Some(error.to_string()),
+            reason: Some(chain(&error)),
             ..RunStatus::new(key_of(folder), Activity::Damaged)
         })
     };

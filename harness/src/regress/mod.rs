@@ -1,6 +1,6 @@
 //! The regression gate: does a change make a method learn worse?
 //!
-//! [`runs`] carries out a reduced protocol, [`cells`] reads its curves, [`baseline`] keeps them in a small JSON file. A later
+//! A [sweep](crate::sweep) carries out a reduced protocol, [`cells`] reads its curves, [`baseline`] keeps them in a small JSON file. A later
 //! check carries the same protocol out again and [compares](mod@compare): equal curves, byte for byte, or else a test of every
 //! [`group`] of runs by every [`measure`]. [`false_alarms`] counts how often unchanged code would fail.
 //!
@@ -15,7 +15,6 @@ pub mod group;
 mod json;
 pub mod measure;
 pub mod output;
-pub mod runs;
 
 pub use baseline::Baseline;
 pub use compare::{Comparison, compare};

@@ -1,13 +1,12 @@
 //! `goalbench regress check`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use super::options::{RunsArgs, SettingsArgs};
-use super::record::parse_seeds;
-use super::{Exit, FAILED, STOPPED, print};
+use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
+use crate::cli::flags::parse_seeds;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -15,6 +14,7 @@ use crate::regress::compare::{self, compare};
 use crate::regress::output::{self, Check};
 use crate::regress::{Baseline, cells};
 use crate::run::manifest::{self, COMMIT};
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
@@ -67,7 +67,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
         compare::check_seeds(protocol.seeds.len(), baseline.seeds.len(), tests, settings.alpha)?;
     }
 
-    let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::from(STOPPED)) };
+    let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };
     let found = cells::read(results.path(), &plan)?;
     let comparison = compare(&before, &found.cells, found.failures, settings);
     let check =
@@ -78,7 +78,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
             complain(&path.display().to_string());
         }
     }
-    Ok(if check.passed() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if check.passed() { ExitCode::Success } else { ExitCode::Failed })
 }
 
 /// Narrows `protocol` to what the options name, and says what is left out.
@@ -110,7 +110,7 @@ fn keep(
     Ok((!left.is_empty()).then(|| format!("left out by {option}: {}", left.join(", "))))
 }
 
-/// In what this machine is another than the one that recorded: identical curves cannot be expected then.
+/// How this machine differs from the one that recorded, in a line each: with any of them curves need not be identical.
 fn foreign(baseline: &Baseline) -> Vec<String> {
     let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {

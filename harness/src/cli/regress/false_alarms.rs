@@ -1,14 +1,14 @@
 //! `goalbench regress false-alarms`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use super::options::SettingsArgs;
-use super::{Exit, FAILED, print};
+use super::{Exit, print};
 use crate::Registry;
 use crate::protocol::plan::Plan;
 use crate::regress::Baseline;
 use crate::regress::false_alarms::{self, Simulation};
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
@@ -54,5 +54,5 @@ pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
         settings.alpha,
         settings.smallest_effect
     ));
-    Ok(if alarms.rate() <= settings.alpha { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if alarms.rate() <= settings.alpha { ExitCode::Success } else { ExitCode::Failed })
 }
