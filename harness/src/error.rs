@@ -7,9 +7,13 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use reports::gate::GateError;
+use reports::schema::RunKey;
 use reports::store::StoreError;
 
 use crate::suggest::hint;
+
+/// What caused an error, where several kinds of error can.
+pub type Cause = Box<dyn Error + Send + Sync>;
 
 /// Errors of the harness. Each says what was wrong, where, and what is accepted.
 #[derive(Debug, thiserror::Error)]
@@ -119,6 +123,14 @@ pub enum HarnessError {
         /// What is wrong with them.
         source: GateError,
     },
+    /// The system refused something that is not about a file.
+    #[error("cannot {action}")]
+    System {
+        /// What was tried, as in `listen for signals`.
+        action: &'static str,
+        /// Why it failed.
+        source: Cause,
+    },
     /// The report could not be made.
     #[error(transparent)]
     Report(#[from] reports::ReportError),
@@ -126,14 +138,24 @@ pub enum HarnessError {
     #[error(transparent)]
     Traces(envs::trace::TraceError),
     /// The machine failed a run, which may go better another time: too little memory, for one.
-    #[error("{run}: {reason}")]
+    #[error("{run}")]
     Machine {
-        /// Run id.
-        run: String,
+        /// The run.
+        run: RunKey,
         /// What it could not do.
-        reason: String,
+        source: Cause,
     },
-    /// A run could not be carried out at all.
+    /// A run cannot be carried out, here or with this config.
+    #[error("{run}: cannot {action}")]
+    Impossible {
+        /// The run.
+        run: RunKey,
+        /// What was tried, as in `begin`.
+        action: &'static str,
+        /// What broke down.
+        source: Cause,
+    },
+    /// A run did not come to the end that something else needs.
     #[error("{run}: {reason}")]
     Run {
         /// Run id.
@@ -149,7 +171,7 @@ impl HarnessError {
         match self {
             Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
             Self::Store(error) => error.is_transient(),
-            Self::Machine { .. } => true,
+            Self::System { .. } | Self::Machine { .. } => true,
             _ => false,
         }
     }
@@ -168,6 +190,17 @@ impl HarnessError {
     pub fn io(path: impl Into<PathBuf>, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { path, action, source }
+    }
+
+    /// Wraps what the system refused: `.map_err(HarnessError::system("listen for signals"))`.
+    pub fn system<E: Into<Cause>>(action: &'static str) -> impl FnOnce(E) -> Self {
+        move |error| Self::System { action, source: error.into() }
+    }
+
+    /// Wraps why a run cannot be carried out: `.map_err(HarnessError::impossible(&key, "begin"))`.
+    pub fn impossible<E: Into<Cause>>(run: &RunKey, action: &'static str) -> impl FnOnce(E) -> Self {
+        let run = run.clone();
+        move |error| Self::Impossible { run, action, source: error.into() }
     }
 }
 
@@ -197,4 +230,24 @@ pub fn chain(error: &dyn Error) -> String {
         cause = error.source();
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use super::*;
+
+    #[test]
+    fn causes_are_told_once_each() {
+        let full = || io::Error::new(io::ErrorKind::StorageFull, "no space");
+        let file = HarnessError::io("a/b", "write this file")(full());
+        assert_eq!(chain(&file), "a/b: cannot write this file: no space");
+        let system = HarnessError::system("go on")(file);
+        assert_eq!(chain(&system), "cannot go on: a/b: cannot write this file: no space");
+        #[derive(Debug, thiserror::Error)]
+        #[error("b: {0}")]
+        struct Repeats(#[from] io::Error);
+        assert_eq!(chain(&Repeats(full())), "b: no space");
+    }
 }

@@ -1,16 +1,15 @@
 //! How long a plan would take on this machine: a few cycles of every kind of run, measured now.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use reports::schema::{Record, Teaching};
 
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
-use crate::run::train::{Phase, RunError, Trainer, TrainerState, Watcher, Wish};
+use crate::run::observer::{Observer, Stage};
+use crate::run::train::{RunError, Trainer};
 
 /// Cycles that are taken; the first warms up and does not count.
 const CYCLES: u64 = 3;
@@ -57,7 +56,7 @@ impl Estimates {
     /// Measures every kind among `runs`, `parallel` at a time, as the runs themselves would go.
     ///
     /// # Errors
-    /// [`HarnessError::Run`] naming a run that cannot be carried out here.
+    /// [`HarnessError::Impossible`] naming a run that cannot be carried out here.
     pub fn measure(registry: &Registry, runs: &[PlannedRun], parallel: usize) -> Result<Self, HarnessError> {
         let mut kinds: BTreeMap<Kind, &PlannedRun> = BTreeMap::new();
         for run in runs {
@@ -67,14 +66,12 @@ impl Estimates {
             .num_threads(parallel)
             .start_handler(|_| agents::prepare_thread())
             .build()
-            .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
+            .map_err(HarnessError::system("start a thread per run"))?;
         let measured: Result<BTreeMap<_, _>, _> = pool.install(|| {
             let speeds = kinds.into_par_iter().map(|(kind, run)| {
-                let failed = |error: RunError| HarnessError::Run {
-                    run: run.key.to_string(),
-                    reason: format!("cannot be measured: {error}"),
-                };
-                Ok((kind, measure(registry, run).map_err(failed)?))
+                let speed =
+                    measure(registry, run).map_err(HarnessError::impossible(&run.key, "be measured"))?;
+                Ok((kind, speed))
             });
             speeds.collect()
         });
@@ -122,35 +119,23 @@ struct Stopwatch {
     learning: Duration,
 }
 
-impl Watcher for Stopwatch {
-    fn spent(&mut self, phase: Phase, time: Duration) {
+impl Observer for Stopwatch {
+    fn spent(&mut self, stage: Stage, time: Duration) {
         let warm = !self.cycles.is_empty();
-        match phase {
-            Phase::Evaluation => {
+        match stage {
+            Stage::Evaluating => {
                 self.evaluation += time;
                 self.evaluations += 1;
                 self.evaluation_meanwhile += if warm { time } else { Duration::ZERO };
             }
-            Phase::Learning if warm => self.learning += time,
-            Phase::Learning | Phase::Teacher => {}
+            Stage::Learning if warm => self.learning += time,
+            _ => {}
         }
     }
 
-    fn record(&mut self, _: &Record, _: &Teaching) -> std::io::Result<()> {
-        Ok(())
-    }
-
-    fn cycle(&mut self, _: u64, _: bool) -> std::io::Result<Wish> {
+    fn cycle(&mut self, _: u64) -> std::io::Result<()> {
         self.cycles.push(Instant::now());
-        Ok(Wish::GoOn)
-    }
-
-    fn replay_folder(&self) -> &Path {
-        unreachable!("nothing is saved")
-    }
-
-    fn save(&mut self, _: TrainerState) -> std::io::Result<()> {
-        unreachable!("it was not wished for")
+        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! The benchmark harness: protocol → plan → runs → records, and the command line.
 //!
-//! Data flows one way. A [`protocol`] becomes a [`protocol::plan::Plan`]; the [`executor`] carries out its runs in worker
+//! Data flows one way. A [`protocol`] becomes a [`protocol::plan::Plan`]; a [`sweep`] carries out its runs in worker
 //! processes; each [`run`] writes its own folder; `goalbench report` reads those folders and nothing else.
 //!
 //! A program of one's own with further curricula is three lines: see [`Registry`].
@@ -9,16 +9,15 @@ pub mod cli;
 pub mod config;
 pub mod error;
 pub mod estimate;
-pub mod executor;
 pub mod merge;
 pub mod profile;
-pub mod progress;
 pub mod protocol;
 mod registry;
 pub mod regress;
 pub mod run;
 pub mod status;
 pub mod suggest;
+pub mod sweep;
 pub mod tracking;
 
 pub use error::HarnessError;

@@ -8,8 +8,8 @@ use reports::schema::{Manifest, Outcome};
 use reports::store::{Results, RunFolder, layout};
 
 use crate::error::HarnessError;
-use crate::executor::is_locked;
 use crate::run::folder;
+use crate::run::lock::is_locked;
 
 /// What a merge did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,8 +7,8 @@ use reports::store::{Results, RunFolder};
 use serde::Serialize;
 
 use crate::error::{HarnessError, chain};
-use crate::executor::is_locked;
 use crate::run::folder;
+use crate::run::lock::is_locked;
 
 /// What a run is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

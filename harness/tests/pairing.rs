@@ -3,14 +3,13 @@
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
 use std::cell::RefCell;
-use std::path::Path;
-use std::time::Duration;
 
 use envs::rng::{Purpose, Rng, stream};
 use envs::{EnvError, Environment, Family, GoalEnv, GoalSource, Observation, Options, Reward, Spec};
 use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
-use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
+use goalbench::run::observer::Observer;
+use goalbench::run::train::Trainer;
 use reports::schema::{Record, RunKey, Teaching};
 
 const SEED: u64 = 11;
@@ -98,29 +97,6 @@ impl GoalEnv for Noted {
     }
 }
 
-/// Keeps nothing.
-struct Nobody;
-
-impl Watcher for Nobody {
-    fn spent(&mut self, _: Phase, _: Duration) {}
-
-    fn record(&mut self, _: &Record, _: &Teaching) -> std::io::Result<()> {
-        Ok(())
-    }
-
-    fn cycle(&mut self, _: u64, _: bool) -> std::io::Result<Wish> {
-        Ok(Wish::GoOn)
-    }
-
-    fn replay_folder(&self) -> &Path {
-        Path::new("")
-    }
-
-    fn save(&mut self, _: TrainerState) -> std::io::Result<()> {
-        Err(std::io::Error::other("nobody wished for a checkpoint"))
-    }
-}
-
 /// Steps of a run: ten cycles of two episodes.
 const STEPS: u64 = 400;
 /// Episodes per evaluation.
@@ -133,11 +109,11 @@ fn episodes(curriculum: &str) -> Vec<Episode> {
 
 /// The same of the run with `seed`, with further settings.
 fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
-    watched(curriculum, seed, more, &mut Nobody)
+    observed(curriculum, seed, more, &mut ())
 }
 
-/// The same of a run that `watcher` watches.
-fn watched(curriculum: &str, seed: u64, more: &[&str], watcher: &mut dyn Watcher) -> Vec<Episode> {
+/// The same of a run that `observer` hears of.
+fn observed(curriculum: &str, seed: u64, more: &[&str], observer: &mut dyn Observer) -> Vec<Episode> {
     agents::prepare_thread();
     let spec = Spec { id: "Noted", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
     let registry =
@@ -162,7 +138,7 @@ fn watched(curriculum: &str, seed: u64, more: &[&str], watcher: &mut dyn Watcher
         seed,
     };
     EPISODES.with_borrow_mut(Vec::clear);
-    Trainer::new(&registry, key, config).expect("a run").run(watcher).expect("it ends well");
+    Trainer::new(&registry, key, config).expect("a run").run(observer).expect("it ends well");
     EPISODES.take()
 }
 
@@ -264,31 +240,17 @@ fn the_seed_of_one_stream_can_be_held_while_the_run_varies() {
 #[test]
 fn nobody_learns_in_a_warm_up() {
     struct Updates(Vec<(u64, u64)>);
-    impl Watcher for Updates {
-        fn spent(&mut self, _: Phase, _: Duration) {}
-
+    impl Observer for Updates {
         fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
             let updates = record.teacher["ensemble_updates"].as_f64().expect("a number");
             self.0.push((record.gradient_steps, updates as u64));
             Ok(())
         }
-
-        fn cycle(&mut self, _: u64, _: bool) -> std::io::Result<Wish> {
-            Ok(Wish::GoOn)
-        }
-
-        fn replay_folder(&self) -> &Path {
-            Path::new("")
-        }
-
-        fn save(&mut self, _: TrainerState) -> std::io::Result<()> {
-            Err(std::io::Error::other("nobody wished for a checkpoint"))
-        }
     }
     let more =
         ["student.warmup_episodes=6", "curriculum.vds.updates_per_cycle=4", "curriculum.vds.candidates=20"];
     let mut updates = Updates(Vec::new());
-    watched("vds", SEED, &more, &mut updates);
+    observed("vds", SEED, &more, &mut updates);
     // Cycles of two episodes, 4 steps of both in each from the third on, when 6 episodes are over; evaluated every other cycle.
     assert_eq!(updates.0, [(0, 0), (0, 0), (8, 8), (16, 16), (24, 24), (32, 32)]);
 }

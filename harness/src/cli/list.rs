@@ -1,11 +1,9 @@
 //! `goalbench list`.
 
-use std::process::ExitCode;
-
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use super::{Exit, print};
+use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::config;
 use crate::protocol::presets::PRESETS;
@@ -48,7 +46,7 @@ pub(super) fn list(registry: &Registry, args: &Args) -> Exit {
         let texts: Vec<String> = parts.iter().map(|what| as_text(registry, *what)).collect();
         print(&texts.join("\n"));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 fn name(what: What) -> String {

@@ -1,9 +1,8 @@
 //! `goalbench merge`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use super::{Exit, print};
+use super::{Exit, ExitCode, print};
 use crate::merge::merge;
 
 #[derive(clap::Args)]
@@ -24,5 +23,5 @@ pub(super) fn run(args: &Args) -> Exit {
         args.out.display(),
         merged.shared
     ));
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }

@@ -1,9 +1,25 @@
-//! The command line.
+//! The command line: a file or folder per command, one row each in [`Command`].
 //!
-//! Exit codes: 0 all is well; 1 a run failed, a check found that something fell, or the report found damaged records; 2 wrong
-//! input, nothing was done; 3 stopped by a signal, to be gone on with.
+//! A command reads its flags, calls the library, prints to standard output, and says how it ended: an [`ExitCode`], or a
+//! [`HarnessError`], which is printed with its causes and makes the exit code 2.
+//!
+//! # How to add a flag
+//!
+//! 1. Add a field to the `Args` of the command, as in `cli/run/mod.rs`. Its doc comment is the help text, whose first line
+//!    is all that `-h` shows. Say the unit, and end with `[default: ...]` where clap cannot know the default, or with
+//!    `[repeatable]`.
+//! 2. Let clap refuse what it can: `value_parser` for ranges, `conflicts_with` and `requires` for combinations. For
+//!    everything else return [`HarnessError::Argument`] with the flag's name and what is accepted.
+//! 3. A flag that other commands have as well goes into a struct of `cli/flags.rs` with `#[command(flatten)]`, so that it
+//!    is called, explained and read in one way.
+//! 4. Hand the value on as a field of the library's own type (`Conduct`, `Preparation`, `slurm::Request`): nothing below
+//!    the command line knows of flags. A flag that is short for a config field, as `--steps` is, becomes a
+//!    [`Layer`](crate::config::layer::Layer) instead.
+//! 5. Add a wrong value to `harness/tests/wrong_input.rs` and the flag to the page that tells of its command
+//!    (`harness/docs/`).
 
 mod evaluate;
+mod flags;
 mod list;
 mod merge;
 mod profile;
@@ -16,22 +32,13 @@ mod status;
 mod verify;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
-
-/// Exit code where the work was done and something in it failed.
-const FAILED: u8 = 1;
-/// Exit code of a worker or sweep that a signal stopped: it can go on later.
-const STOPPED: u8 = 3;
-/// Exit code for wrong input.
-pub(crate) const WRONG_INPUT: u8 = 2;
-/// Exit code of a worker whose run another process is carrying out.
-pub(crate) const TAKEN: u8 = 4;
+use crate::sweep::{ExitCode, local, worker};
 
 /// Benchmarks automatic curricula for goal-conditioned reinforcement learning.
 #[derive(Parser)]
@@ -94,7 +101,7 @@ enum Command {
 }
 
 /// The whole program with the environments and curricula of `registry`.
-pub fn main(registry: Registry) -> ExitCode {
+pub fn main(registry: Registry) -> std::process::ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
@@ -109,27 +116,24 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
-        Command::TryCuda => run::device::try_cuda(),
-        Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),
+        Command::TryCuda => local::device::try_cuda(),
+        Command::Worker { folder, tensorboard } => {
+            worker::work(&registry, &folder, tensorboard).or_else(|(code, error)| {
+                complain_of(&error);
+                Ok(code)
+            })
+        }
     };
-    result.unwrap_or_else(|error| {
-        complain(&format!("goalbench: {}", chain(&error)));
-        ExitCode::from(WRONG_INPUT)
-    })
+    let code = result.unwrap_or_else(|error| {
+        complain_of(&error);
+        ExitCode::WrongInput
+    });
+    code.into()
 }
 
-/// `goalbench worker`. Its exit code tells whether another attempt makes sense.
-fn worker(registry: &Registry, folder: &Path, tensorboard: bool) -> Exit {
-    match crate::executor::worker::work(registry, folder, tensorboard) {
-        Ok(Some(_)) => Ok(ExitCode::SUCCESS),
-        Ok(None) => Ok(ExitCode::from(STOPPED)),
-        Err(HarnessError::Locked { .. }) => Ok(ExitCode::from(TAKEN)),
-        Err(error) if error.is_transient() => {
-            complain(&format!("goalbench: {}", chain(&error)));
-            Ok(ExitCode::from(FAILED))
-        }
-        Err(error) => Err(error),
-    }
+/// Writes an error and what caused it to standard error.
+fn complain_of(error: &HarnessError) {
+    complain(&format!("goalbench: {}", chain(error)));
 }
 
 /// Writes to standard output. A reader that went away (`| head`) is no error.

@@ -1,7 +1,5 @@
 //! `goalbench profile`.
 
-use std::process::ExitCode;
-
 use super::{Exit, print};
 use crate::Registry;
 use crate::config::layer::Layer;
@@ -9,6 +7,7 @@ use crate::error::HarnessError;
 use crate::profile::{beside, profile};
 use crate::protocol::Protocol;
 use crate::protocol::plan::{Plan, PlannedRun};
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
@@ -52,7 +51,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         }
     };
     print(&text);
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 /// The run to be profiled, its names and config checked.

@@ -1,9 +1,8 @@
 //! `goalbench protocol`.
 
-use std::process::ExitCode;
-
 use super::{Exit, print};
 use crate::protocol::presets;
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -23,5 +22,5 @@ enum Command {
 pub(super) fn protocol(args: &Args) -> Exit {
     let Command::Show { name } = &args.command;
     print(presets::find(name)?.text);
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }

@@ -3,14 +3,13 @@
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use agents::{Agent, Mode};
 use envs::GoalEnv;
 use envs::render::{Image, Renderer};
 use envs::rng::{Purpose, Rng, stream};
 
-use super::{Exit, print};
+use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::run::folder::new_file;
@@ -79,7 +78,7 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
         frames.len(),
         args.episodes
     ));
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 fn unusable(what: &Path, error: &impl ToString) -> HarnessError {

@@ -1,12 +1,11 @@
 //! `goalbench report`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use reports::environment::{EnvironmentInfo, MazeInfo};
 use reports::report::Options;
 
-use super::{Exit, FAILED, complain, print};
+use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 
 #[derive(clap::Args)]
@@ -26,7 +25,7 @@ pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
     for problem in &written.problems {
         complain(&format!("goalbench: {problem}"));
     }
-    Ok(if written.problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if written.problems.is_empty() { ExitCode::Success } else { ExitCode::Failed })
 }
 
 /// What a report should know of the environments: it knows none itself.

@@ -1,14 +1,13 @@
 //! `goalbench status`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
 use serde_json::json;
 
-use super::{Exit, print};
-use crate::progress::human;
+use super::{Exit, ExitCode, print};
 use crate::status::{Activity, RunStatus, status};
+use crate::sweep::reporter::human;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -40,7 +39,7 @@ pub(super) fn show(args: &Args) -> Exit {
     } else {
         print(&as_text(&runs));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 fn count(runs: &[RunStatus], activity: Activity) -> usize {

@@ -1,12 +1,11 @@
 //! `goalbench verify`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use envs::trace::{FileReport, TraceError, verify_dir};
 use serde_json::{Value, json};
 
-use super::{Exit, FAILED, complain, print};
+use super::{Exit, ExitCode, complain, print};
 use crate::error::HarnessError;
 
 #[derive(clap::Args)]
@@ -41,7 +40,7 @@ pub(super) fn verify(args: &Args) -> Exit {
         }
         print(&format!("{} of {} files agree\n", files.len() - failures, files.len()));
     }
-    Ok(if failures == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if failures == 0 { ExitCode::Success } else { ExitCode::Failed })
 }
 
 fn as_json(files: &[Result<FileReport, TraceError>], passed: bool) -> Value {

@@ -61,7 +61,7 @@ impl Beside {
 /// `rounds` in turn, so that both meet the same machine.
 ///
 /// # Errors
-/// [`HarnessError::Io`] if a process cannot be started, [`HarnessError::Run`] if one fails.
+/// [`HarnessError::System`] if a process cannot be started, [`HarnessError::Run`] if one fails: it has told why.
 pub fn beside(arguments: &[String], runs: u16, rounds: u16) -> Result<Beside, HarnessError> {
     let mut found = Beside { runs, alone: Vec::new(), together: Vec::new() };
     for _ in 0..rounds {
@@ -73,10 +73,10 @@ pub fn beside(arguments: &[String], runs: u16, rounds: u16) -> Result<Beside, Ha
 
 /// The sum of the speeds of `runs` processes.
 fn at_once(arguments: &[String], runs: u16) -> Result<f64, HarnessError> {
-    let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
+    let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let start = |_| {
         let mut command = Command::new(&program);
-        command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()
+        command.args(arguments).stdout(Stdio::piped()).spawn()
     };
     let started: Vec<_> = (0..runs).map(start).collect();
     // All are waited for, whatever becomes of the others.
@@ -89,7 +89,7 @@ fn at_once(arguments: &[String], runs: u16) -> Result<f64, HarnessError> {
             .and_then(|profile| profile["steps_per_second"].as_f64());
         sum += speed.ok_or_else(|| HarnessError::Run {
             run: arguments.join(" "),
-            reason: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            reason: format!("this process printed no profile ({})", output.status),
         })?;
     }
     Ok(sum)

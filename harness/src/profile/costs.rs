@@ -46,8 +46,8 @@ pub struct Costs {
     pub rest: f64,
 }
 
-/// A part's name and what is in it.
-pub struct Part {
+/// A part of the costs.
+pub struct Cost {
     /// Its key in JSON.
     pub name: &'static str,
     /// For people.
@@ -58,8 +58,8 @@ pub struct Part {
 
 impl Costs {
     /// The parts in the order in which they are shown.
-    pub fn parts(&self) -> [Part; 11] {
-        let part = |name, about, seconds| Part { name, about, seconds };
+    pub fn parts(&self) -> [Cost; 11] {
+        let part = |name, about, seconds| Cost { name, about, seconds };
         [
             part("physics", "steps of the environment", self.physics),
             part("resets", "resets of the environment", self.resets),
@@ -114,7 +114,7 @@ pub struct Memory {
 
 /// The profile of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Profile {
+pub struct RunProfile {
     /// Which run.
     pub run: RunKey,
     /// Transitions per gradient step.
@@ -131,7 +131,7 @@ pub struct Profile {
     pub memory: Memory,
 }
 
-impl Profile {
+impl RunProfile {
     /// Gradient steps per training step.
     fn updates_per_step(&self) -> f64 {
         self.size.updates as f64 / self.size.steps as f64
@@ -181,7 +181,7 @@ impl Profile {
             let share = 100.0 * seconds / costs.total();
             let _ = writeln!(text, "{name:<16} {:>12.2} {share:>6.1} %  {about}", 1e6 * seconds);
         };
-        for Part { name, about, seconds } in costs.parts() {
+        for Cost { name, about, seconds } in costs.parts() {
             line(&name.replace('_', " "), seconds, about);
         }
         line("all", costs.total(), "µs per training step");
@@ -213,10 +213,10 @@ impl Profile {
 mod tests {
     use reports::schema::RunKey;
 
-    use super::{Costs, Memory, Profile, Size};
+    use super::{Costs, Memory, RunProfile, Size};
 
     /// 10 ms per step, of which physics takes 1 and products 4.
-    fn profile() -> Profile {
+    fn profile() -> RunProfile {
         let costs = Costs {
             physics: 1e-3,
             resets: 0.25e-3,
@@ -239,7 +239,7 @@ mod tests {
         let size = Size { cycles: 2, steps: 200, updates: 80, evaluation_every: 10_000 };
         let memory =
             Memory { peak: 150_000_000, peak_with_full_replay: 280_000_000, full_replay: 131_000_000 };
-        Profile { run, batch: 1024, layers: 2, size, costs, gflop: 1.5, memory }
+        RunProfile { run, batch: 1024, layers: 2, size, costs, gflop: 1.5, memory }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Memory of this process, now and once the replay buffer is full.
 
 use std::fs;
+use std::io::{Error, ErrorKind};
 
 use agents::{Replay, StudentConfig};
 use envs::Spec;
@@ -14,13 +15,12 @@ const STATUS: &str = "/proc/self/status";
 /// The memory of this process, whose student has taken in `episodes` episodes.
 ///
 /// # Errors
-/// [`HarnessError::Io`] or [`HarnessError::Damaged`] if the system does not tell.
+/// [`HarnessError::Io`] if the system does not tell.
 pub(super) fn measure(student: &StudentConfig, spec: &Spec, episodes: u64) -> Result<Memory, HarnessError> {
-    let status = fs::read_to_string(STATUS).map_err(HarnessError::io(STATUS, "read the peak memory"))?;
-    let peak = peak(&status).ok_or_else(|| HarnessError::Damaged {
-        path: STATUS.into(),
-        reason: "it has no line `VmHWM: N kB`".into(),
-    })?;
+    let silent = || Error::new(ErrorKind::InvalidData, "it has no line `VmHWM: N kB`");
+    let peak = fs::read_to_string(STATUS)
+        .and_then(|status| peak(&status).ok_or_else(silent))
+        .map_err(HarnessError::io(STATUS, "read the peak memory"))?;
     let replay = Replay::new(spec, student.replay_capacity).expect("the student has such a buffer");
     let full_replay = replay.capacity_bytes();
     let capacity = (student.replay_capacity / spec.horizon) as u64;

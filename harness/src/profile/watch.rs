@@ -1,4 +1,4 @@
-//! The watcher of a profiled run.
+//! The observer of a profiled run.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,26 +7,23 @@ use agents::Products;
 use reports::schema::{Record, Teaching};
 
 use super::costs::{Costs, Size};
-use super::timed::Clock;
 use crate::run::checkpoint::{self, Checkpoint};
 use crate::run::folder::Extent;
-use crate::run::train::{Phase, TrainerState, Watcher, Wish};
+use crate::run::observer::{Checkpointer, Observer, Stage, StageTimes, Wish};
+use crate::run::train::TrainerState;
 
 /// Adds up what the loop tells, runs the bare products after every cycle, and saves one checkpoint at the end.
 pub(super) struct Watch<'a> {
     folder: &'a Path,
     products: Products,
     products_per_cycle: usize,
-    teacher: Duration,
-    learning: Duration,
-    evaluation: Duration,
+    times: StageTimes,
     evaluations: u32,
     bare_products: Duration,
-    checkpoint: Duration,
-    /// All of the cycles, their evaluations apart.
+    /// All of the cycles, without evaluations and checkpoint.
     training: Duration,
-    /// When the running cycle began, and how much had been evaluated by then.
-    cycle_begun: (Instant, Duration),
+    /// When the running cycle began, moved on by the evaluation that followed it.
+    begun: Instant,
 }
 
 impl<'a> Watch<'a> {
@@ -36,71 +33,84 @@ impl<'a> Watch<'a> {
             folder,
             products,
             products_per_cycle,
-            teacher: Duration::ZERO,
-            learning: Duration::ZERO,
-            evaluation: Duration::ZERO,
+            times: StageTimes::default(),
             evaluations: 0,
             bare_products: Duration::ZERO,
-            checkpoint: Duration::ZERO,
             training: Duration::ZERO,
-            cycle_begun: (Instant::now(), Duration::ZERO),
+            begun: Instant::now(),
         }
     }
 
     /// Seconds per training step of a run of this kind.
-    pub(super) fn costs(&self, clock: &Clock, size: Size) -> Costs {
+    pub(super) fn costs(&self, size: Size) -> Costs {
+        let seconds = |stage| self.times.seconds(stage);
         let per_step = |seconds: f64| seconds / size.steps as f64;
         let at_evaluations = |seconds: f64| seconds / size.evaluation_every as f64;
-        let [sampling, learning] = [clock.sampling.seconds(), self.learning.as_secs_f64()];
         let products = self.bare_products.as_secs_f64();
-        let teacher = self.teacher.as_secs_f64();
-        let [physics, resets, acting, storing] =
-            [&clock.stepping, &clock.resetting, &clock.acting, &clock.storing].map(|sum| sum.seconds());
-        let told_apart = physics + resets + acting + storing + learning + teacher;
+        let told_apart: f64 = [
+            Stage::Stepping,
+            Stage::Resetting,
+            Stage::Acting,
+            Stage::Storing,
+            Stage::Learning,
+            Stage::Teaching,
+        ]
+        .map(seconds)
+        .iter()
+        .sum();
         Costs {
-            physics: per_step(physics),
-            resets: per_step(resets),
-            acting: per_step(acting),
-            storing: per_step(storing),
+            physics: per_step(seconds(Stage::Stepping)),
+            resets: per_step(seconds(Stage::Resetting)),
+            acting: per_step(seconds(Stage::Acting)),
+            storing: per_step(seconds(Stage::Storing)),
             products: per_step(products),
-            beside_products: per_step(learning - sampling - products),
-            sampling: per_step(sampling),
-            teacher: per_step(teacher),
-            evaluation: at_evaluations(self.evaluation.as_secs_f64() / f64::from(self.evaluations)),
-            checkpoint: at_evaluations(self.checkpoint.as_secs_f64()),
+            beside_products: per_step(seconds(Stage::Learning) - seconds(Stage::Sampling) - products),
+            sampling: per_step(seconds(Stage::Sampling)),
+            teacher: per_step(seconds(Stage::Teaching)),
+            evaluation: at_evaluations(seconds(Stage::Evaluating) / f64::from(self.evaluations)),
+            checkpoint: at_evaluations(seconds(Stage::Saving)),
             rest: per_step(self.training.as_secs_f64() - told_apart),
         }
     }
 }
 
-impl Watcher for Watch<'_> {
-    fn spent(&mut self, phase: Phase, time: Duration) {
-        match phase {
-            Phase::Teacher => self.teacher += time,
-            Phase::Learning => self.learning += time,
-            Phase::Evaluation => self.evaluation += time,
+impl Observer for Watch<'_> {
+    fn spent(&mut self, stage: Stage, time: Duration) {
+        self.times.spent(stage, time);
+        if stage == Stage::Evaluating {
+            // An evaluation is no part of the cycle that it follows.
+            self.evaluations += 1;
+            self.begun += time;
         }
     }
 
     fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
-        self.evaluations += 1;
         if record.eval_index == 0 {
             // The first evaluation comes before the first cycle.
-            self.cycle_begun = (Instant::now(), self.evaluation);
+            self.begun = Instant::now();
         }
         Ok(())
     }
 
-    fn cycle(&mut self, _: u64, evaluated: bool) -> std::io::Result<Wish> {
-        let (begun, evaluation) = self.cycle_begun;
-        self.training += begun.elapsed() - (self.evaluation - evaluation);
+    fn cycle(&mut self, _: u64) -> std::io::Result<()> {
+        self.training += self.begun.elapsed();
         let begun = Instant::now();
         for _ in 0..self.products_per_cycle {
             self.products.run().map_err(std::io::Error::other)?;
         }
-        self.cycle_begun = (Instant::now(), self.evaluation);
-        self.bare_products += self.cycle_begun.0 - begun;
-        Ok(if evaluated { Wish::Save } else { Wish::GoOn })
+        self.begun = Instant::now();
+        self.bare_products += self.begun - begun;
+        Ok(())
+    }
+
+    fn checkpointer(&mut self) -> Option<&mut dyn Checkpointer> {
+        Some(self)
+    }
+}
+
+impl Checkpointer for Watch<'_> {
+    fn wish(&mut self, evaluated: bool) -> Wish {
+        if evaluated { Wish::Save } else { Wish::GoOn }
     }
 
     fn replay_folder(&self) -> &Path {
@@ -109,9 +119,6 @@ impl Watcher for Watch<'_> {
 
     fn save(&mut self, trainer: TrainerState) -> std::io::Result<()> {
         let checkpoint = Checkpoint { run: String::new(), trainer, progress: Extent::default() };
-        checkpoint::write(self.folder, &checkpoint).map_err(std::io::Error::other)?;
-        // The loop asked for its parts right after the last cycle.
-        self.checkpoint = self.cycle_begun.0.elapsed();
-        Ok(())
+        checkpoint::write(self.folder, &checkpoint).map_err(std::io::Error::other)
     }
 }

@@ -1,12 +1,10 @@
 //! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
 //! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties them to it: a
-//! [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its versions and processor.
-//! [`runs`] carries out a plan or finds it carried out.
+//! [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its versions and processor. A
+//! [sweep](crate::sweep) carries out the plan or finds it carried out.
 //!
 //! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
-
-pub mod runs;
 
 use std::fs;
 use std::path::Path;

@@ -3,7 +3,9 @@
 pub mod checkpoint;
 pub mod evaluate;
 pub mod folder;
+pub mod lock;
 pub mod manifest;
+pub mod observer;
 pub mod picks;
 pub mod policy;
 pub mod train;

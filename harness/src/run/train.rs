@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use agents::{Agent, AgentError, Episode, Mode};
 use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::evaluate::{LOCKSTEP, evaluate};
+use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
 use crate::Registry;
 use crate::config::streams::Streams;
@@ -40,19 +41,8 @@ pub enum RunError {
         size: usize,
     },
     /// Recording failed; the run itself is well.
-    #[error("cannot record: {0}")]
+    #[error("cannot record")]
     Recording(#[from] std::io::Error),
-}
-
-/// What the watcher wants after a cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// Train on.
-    GoOn,
-    /// Save a checkpoint, then train on.
-    Save,
-    /// Save a checkpoint and stop.
-    SaveAndStop,
 }
 
 /// How [`Trainer::run`] came to its end.
@@ -60,46 +50,8 @@ pub enum Wish {
 pub enum End {
     /// The budget is used up.
     Finished,
-    /// The watcher wished to stop; a checkpoint is saved.
+    /// The checkpointer wished to stop; a checkpoint is saved.
     Stopped,
-}
-
-/// Where a run's time goes, as far as it is told apart; the rest is physics, acting and bookkeeping of training episodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// The teacher proposes goals, observes episodes and learns: the price of the curriculum.
-    Teacher,
-    /// The student takes its gradient steps.
-    Learning,
-    /// The student is evaluated.
-    Evaluation,
-}
-
-/// Who hears of a run's progress. The loop computes; watchers record, display and decide when to save.
-pub trait Watcher {
-    /// The run spent `time` in `phase`.
-    fn spent(&mut self, phase: Phase, time: Duration);
-
-    /// An evaluation is over.
-    ///
-    /// # Errors
-    /// If it cannot be recorded; the run then ends.
-    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()>;
-
-    /// A cycle is over, with its evaluation if one was due (`evaluated`).
-    ///
-    /// # Errors
-    /// If the watcher is gone; the run then ends.
-    fn cycle(&mut self, step: u64, evaluated: bool) -> std::io::Result<Wish>;
-
-    /// Where the student's replay log lies.
-    fn replay_folder(&self) -> &Path;
-
-    /// Keeps a checkpoint.
-    ///
-    /// # Errors
-    /// If it cannot be written; the run then ends.
-    fn save(&mut self, state: TrainerState) -> std::io::Result<()>;
 }
 
 /// A run between two cycles, the student's replay log apart. Environments need no state: a reset forgets all.
@@ -203,17 +155,6 @@ impl Trainer {
         })
     }
 
-    /// Puts decorators around the training environment and the student, to watch them at work. They must pass on everything
-    /// that they are asked.
-    #[must_use]
-    pub fn decorated(
-        self,
-        env: impl FnOnce(Box<dyn GoalEnv>) -> Box<dyn GoalEnv>,
-        agent: impl FnOnce(Box<dyn Agent>) -> Box<dyn Agent>,
-    ) -> Self {
-        Self { env: env(self.env), agent: agent(self.agent), ..self }
-    }
-
     /// Training steps taken so far.
     pub fn step(&self) -> u64 {
         self.step
@@ -250,72 +191,86 @@ impl Trainer {
         })
     }
 
-    /// Trains to the end of the budget. The untrained student is evaluated first, the final one last.
+    /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained student is
+    /// evaluated first, the final one last.
     ///
     /// # Errors
     /// [`RunError`] with what broke down.
-    pub fn run(&mut self, watcher: &mut dyn Watcher) -> Result<End, RunError> {
+    pub fn run(&mut self, observer: &mut dyn Observer) -> Result<End, RunError> {
         if self.evaluations == 0 {
-            self.evaluate(watcher)?;
+            self.evaluate(observer)?;
         }
         while self.step < self.config.budget.steps {
             let reached = self.step / self.config.evaluation.every;
-            self.cycle(watcher)?;
+            self.cycle(observer)?;
             let due =
                 self.step / self.config.evaluation.every > reached || self.step >= self.config.budget.steps;
             if due {
-                self.evaluate(watcher)?;
+                self.evaluate(observer)?;
             }
-            let wish = watcher.cycle(self.step, due)?;
-            if wish != Wish::GoOn {
-                let state = self.state(watcher.replay_folder())?;
-                watcher.save(state)?;
-            }
-            if wish == Wish::SaveAndStop {
+            observer.cycle(self.step)?;
+            if self.save_if_wished(observer, due)? == Wish::SaveAndStop {
                 return Ok(End::Stopped);
             }
         }
         Ok(End::Finished)
     }
 
+    /// Lets the observer's checkpointer, if there is one, decide after a cycle, and gives it what it wishes to save.
+    fn save_if_wished(&mut self, observer: &mut dyn Observer, evaluated: bool) -> Result<Wish, RunError> {
+        let Some(checkpointer) = observer.checkpointer() else { return Ok(Wish::GoOn) };
+        let wish = checkpointer.wish(evaluated);
+        if wish != Wish::GoOn {
+            let mut laps = Laps::begin();
+            let state = self.state(checkpointer.replay_folder())?;
+            checkpointer.save(state)?;
+            observer.spent(Stage::Saving, laps.lap());
+        }
+        Ok(wish)
+    }
+
     /// A cycle: some episodes, then student and teacher learn.
-    fn cycle(&mut self, watcher: &mut dyn Watcher) -> Result<(), RunError> {
+    fn cycle(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         for _ in 0..self.agent.episodes_per_cycle() {
-            let episode = self.episode(watcher)?;
+            let episode = self.episode(observer)?;
+            let mut laps = Laps::begin();
             self.agent.observe(&episode, self.env.as_ref(), &mut self.streams.replay)?;
-            let begun = Instant::now();
+            observer.spent(Stage::Storing, laps.lap());
             self.curriculum.observe(&episode)?;
-            watcher.spent(Phase::Teacher, begun.elapsed());
+            observer.spent(Stage::Teaching, laps.lap());
             self.teaching.goals.push(episode.goal.iter().map(|&x| x as f32).collect());
             self.teaching.successes.push(episode.success);
         }
-        let begun = Instant::now();
-        let before = self.agent.gradient_steps();
+        let before = (self.agent.gradient_steps(), self.agent.sampling_time());
+        let mut laps = Laps::begin();
         self.agent.learn(self.env.as_ref(), &mut self.streams.replay)?;
-        let learned = Instant::now();
+        observer.spent(Stage::Learning, laps.lap());
         // In a warm-up nobody learns.
-        if self.agent.gradient_steps() > before {
+        if self.agent.gradient_steps() > before.0 {
             self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
         }
-        watcher.spent(Phase::Learning, learned - begun);
-        watcher.spent(Phase::Teacher, learned.elapsed());
+        observer.spent(Stage::Teaching, laps.lap());
+        if let (Some(before), Some(after)) = (before.1, self.agent.sampling_time()) {
+            observer.spent(Stage::Sampling, after - before);
+        }
         Ok(())
     }
 
     /// One training episode towards the goal that the teacher chooses.
-    fn episode(&mut self, watcher: &mut dyn Watcher) -> Result<Episode, RunError> {
+    fn episode(&mut self, observer: &mut dyn Observer) -> Result<Episode, RunError> {
         let env = self.env.as_mut();
         let horizon = env.spec().horizon;
+        let mut laps = Laps::begin();
         env.reset(&mut self.streams.environment)?;
+        observer.spent(Stage::Resetting, laps.lap());
         let start = env.observation().clone();
-        let begun = Instant::now();
         let proposal = self.curriculum.propose(&mut Lesson {
             student: self.agent.as_mut(),
             start: &start,
             goals: &mut *env,
             rng: &mut self.streams.teacher,
         })?;
-        watcher.spent(Phase::Teacher, begun.elapsed());
+        observer.spent(Stage::Teaching, laps.lap());
         let pick = if let Proposal::Pool(index) = proposal { Some(index) } else { None };
         picks::note(&mut self.teaching, &mut self.ranks, pick, self.curriculum.choice());
         match proposal {
@@ -332,26 +287,32 @@ impl Trainer {
         let mut action = vec![0.0; env.spec().action];
         states.push(&start.state);
         achieved.push(&start.achieved);
+        let (mut acting, mut stepping) = (Duration::ZERO, Duration::ZERO);
         for _ in 0..horizon {
             let mode = Mode::Explore(&mut self.streams.exploration);
+            let mut laps = Laps::begin();
             self.agent.act(env.observation(), env.goal(), mode, &mut action)?;
+            acting += laps.lap();
             env.step(&action)?;
+            stepping += laps.lap();
             states.push(&env.observation().state);
             achieved.push(&env.observation().achieved);
             actions.push(&action);
         }
+        observer.spent(Stage::Acting, acting);
+        observer.spent(Stage::Stepping, stepping);
         self.step += horizon as u64;
         let success = env.success(&env.observation().achieved, env.goal());
         Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), success })
     }
 
-    fn evaluate(&mut self, watcher: &mut dyn Watcher) -> Result<(), RunError> {
-        let begun = Instant::now();
+    fn evaluate(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let mut laps = Laps::begin();
         let episodes = self.config.evaluation.episodes;
         let mut rng = self.config.seed.stream(self.key.seed, Purpose::Evaluation(self.evaluations));
         let pool = self.evaluation_pool.as_deref();
         let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
-        watcher.spent(Phase::Evaluation, begun.elapsed());
+        observer.spent(Stage::Evaluating, laps.lap());
         let ranks = std::mem::take(&mut self.ranks);
         let statistics =
             self.curriculum.statistics().into_iter().chain(picks::statistics(&self.teaching, ranks));
@@ -375,7 +336,7 @@ impl Trainer {
         let weights = self.curriculum.weights().map(|weights| weights.iter().map(|&w| w as f32).collect());
         let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
         let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
-        watcher.record(&record, &teaching)?;
+        observer.record(&record, &teaching)?;
         self.evaluations += 1;
         Ok(())
     }

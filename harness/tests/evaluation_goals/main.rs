@@ -5,14 +5,12 @@
 mod marked;
 mod watched;
 
-use std::path::Path;
-use std::time::Duration;
-
 use curricula::{CURRICULA, Entry};
 use envs::{Environment, Family, Spec};
 use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
-use goalbench::run::train::{Phase, Trainer, TrainerState, Watcher, Wish};
+use goalbench::run::observer::Observer;
+use goalbench::run::train::Trainer;
 use marked::{MARK, SEED};
 use reports::schema::{Record, RunKey, Teaching};
 
@@ -23,25 +21,11 @@ struct Notes {
     teaching: Vec<Teaching>,
 }
 
-impl Watcher for Notes {
-    fn spent(&mut self, _phase: Phase, _time: Duration) {}
-
+impl Observer for Notes {
     fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
         self.records.push(record.clone());
         self.teaching.push(teaching.clone());
         Ok(())
-    }
-
-    fn cycle(&mut self, _step: u64, _evaluated: bool) -> std::io::Result<Wish> {
-        Ok(Wish::GoOn)
-    }
-
-    fn replay_folder(&self) -> &Path {
-        Path::new("")
-    }
-
-    fn save(&mut self, _state: TrainerState) -> std::io::Result<()> {
-        Err(std::io::Error::other("nobody wished for a checkpoint"))
     }
 }
 

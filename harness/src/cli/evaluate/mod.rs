@@ -5,7 +5,6 @@ mod output;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
 use envs::rng::{Purpose, stream};
@@ -13,7 +12,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use reports::schema::RunKey;
 
-use super::{Exit, FAILED, complain, print};
+use super::flags::JobsFlag;
+use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::error::{HarnessError, chain};
 use crate::run::evaluate::{LOCKSTEP, Tally, tally};
@@ -38,9 +38,8 @@ pub(super) struct Args {
     /// Seed of starts and goals
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Runs side by side, one thread each [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: JobsFlag,
     /// Print a JSON object per run and line
     #[arg(long)]
     json: bool,
@@ -83,7 +82,7 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     if measured.is_empty() {
         complain("goalbench: no run was evaluated");
     }
-    Ok(if measured.is_empty() || broken { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
+    Ok(if measured.is_empty() || broken { ExitCode::Failed } else { ExitCode::Success })
 }
 
 /// Evaluates all, some of them at a time; the answers are in the order of `subjects`.
@@ -92,11 +91,10 @@ fn measure_all(
     subjects: &[Subject],
     args: &Args,
 ) -> Result<Vec<Result<Measured, HarnessError>>, HarnessError> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.jobs.map_or(cores, usize::from).min(subjects.len().max(1)))
+        .num_threads(args.jobs.for_runs(subjects.len()))
         .build()
-        .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
+        .map_err(HarnessError::system("start a thread per run"))?;
     let bar = progress(subjects.len(), args.episodes);
     let measured = pool.install(|| {
         // Runs take seconds to minutes, and those of one environment, which take equally long, follow one another.

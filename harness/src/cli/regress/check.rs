@@ -1,21 +1,21 @@
 //! `goalbench regress check`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use reports::gate::compare::{self, compare};
 use reports::gate::output::{self, Check};
 use reports::gate::{Baseline, cells};
 
 use super::options::{RunsArgs, SettingsArgs};
-use super::record::parse_seeds;
-use super::{Exit, FAILED, STOPPED, print};
+use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
+use crate::cli::flags::parse_seeds;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::regress;
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
@@ -69,7 +69,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
         compare::check_seeds(protocol.seeds.len(), baseline.seeds.len(), tests, settings.alpha)?;
     }
 
-    let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::from(STOPPED)) };
+    let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };
     let found = cells::read(results.path(), &expected)?;
     let result = compare(&before, &found.cells, found.failures, settings);
     let titles = regress::titles();
@@ -87,7 +87,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
             complain(&path.display().to_string());
         }
     }
-    Ok(if check.passed() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if check.passed() { ExitCode::Success } else { ExitCode::Failed })
 }
 
 /// Narrows `protocol` to what the options name, and says what is left out.

@@ -1,16 +1,16 @@
 //! `goalbench regress false-alarms`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use reports::gate::Baseline;
 use reports::gate::false_alarms::{self, Simulation};
 
 use super::options::SettingsArgs;
-use super::{Exit, FAILED, print};
+use super::{Exit, print};
 use crate::Registry;
 use crate::protocol::plan::Plan;
 use crate::regress;
+use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
@@ -56,5 +56,5 @@ pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
         settings.alpha,
         settings.smallest_effect
     ));
-    Ok(if alarms.rate() <= settings.alpha { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    Ok(if alarms.rate() <= settings.alpha { ExitCode::Success } else { ExitCode::Failed })
 }

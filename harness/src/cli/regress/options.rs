@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 use reports::gate::compare::Settings;
 
 use crate::cli::complain;
+use crate::cli::flags::JobsFlag;
 use crate::error::HarnessError;
-use crate::executor::signals::Stopper;
 use crate::protocol::plan::Plan;
-use crate::regress::runs::{self, Progress};
+use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, reporter};
+
+/// Attempts that a run whose worker crashed is given besides the first.
+const RETRIES: u32 = 1;
 
 /// When a check fails.
 #[derive(clap::Args)]
@@ -52,11 +55,10 @@ impl SettingsArgs {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Runs")]
 pub(super) struct RunsArgs {
-    /// Runs side by side, one thread each [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), conflicts_with = "results")]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: JobsFlag,
     /// Take the runs from this results folder and carry out none
-    #[arg(long, value_name = "DIR", conflicts_with = "keep")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["keep", "jobs"])]
     results: Option<PathBuf>,
     /// Keep the runs in this new results folder, for `goalbench report` [default: they are removed]
     #[arg(long, value_name = "DIR")]
@@ -88,7 +90,7 @@ impl RunsArgs {
     pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<Results>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {
-                runs::find(plan, folder)?;
+                check_ended(&Sweep::survey(plan, folder)?, folder)?;
                 return Ok(Some(Results::Kept(folder.clone())));
             }
             (None, Some(folder)) if folder.exists() => {
@@ -103,13 +105,45 @@ impl RunsArgs {
                 tempfile::tempdir().map_err(HarnessError::io(std::env::temp_dir(), "create a folder in"))?,
             ),
         };
-        let stopper = Stopper::listen(|| complain("goalbench: stopping"))
-            .map_err(HarnessError::io("goalbench", "listen for signals"))?;
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let parallel = self.jobs.map_or(cores, usize::from);
-        Ok(match runs::carry_out(plan, results.path(), parallel, &stopper)? {
-            Progress::Ended => Some(results),
-            Progress::Stopped => None,
-        })
+        let sweep = Sweep::survey(plan, results.path())?;
+        sweep.check_device()?;
+        let sweep = sweep.prepare(Preparation::default())?;
+        let parallel = self.jobs.for_runs(sweep.open().count());
+        let reporter = reporter::for_stderr(sweep.jobs(), parallel);
+        let conduct = Conduct { parallel, retries: RETRIES, tensorboard: false };
+        let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;
+        Ok(have_ended(&endings)?.then_some(results))
     }
+}
+
+/// Whether all runs came to an end, finished or failed; not if a signal stopped them.
+///
+/// # Errors
+/// [`HarnessError::Run`] naming a run whose workers crashed for good.
+fn have_ended(endings: &Endings) -> Result<bool, HarnessError> {
+    if endings.stopped() + endings.taken() > 0 {
+        return Ok(false);
+    }
+    let crash = endings.iter().find_map(|(run, ending)| match ending {
+        Ending::Crashed { reason } => {
+            Some(HarnessError::Run { run: run.to_string(), reason: format!("crashed: {reason}") })
+        }
+        Ending::Ended(_) | Ending::Stopped | Ending::Taken => None,
+    });
+    crash.map_or(Ok(true), Err)
+}
+
+/// Checks that every run of a sweep has ended in `results` before.
+///
+/// # Errors
+/// [`HarnessError::Run`] naming one that has not.
+fn check_ended(sweep: &Sweep, results: &Path) -> Result<(), HarnessError> {
+    let Some(first) = sweep.open().next() else { return Ok(()) };
+    let reason = format!(
+        "has not ended in {} ({} of {} runs have not)",
+        results.display(),
+        sweep.open().count(),
+        sweep.jobs().len()
+    );
+    Err(HarnessError::Run { run: first.run().to_string(), reason })
 }

@@ -1,30 +1,28 @@
 //! `goalbench run --dry-run`: the plan as text, and what it would take.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Duration;
 
 use crate::Registry;
 use crate::cli::{Exit, complain, print};
 use crate::estimate::Estimates;
-use crate::executor::Job;
-use crate::progress::human;
 use crate::protocol::plan::{Plan, PlannedRun};
-use crate::run::folder::State;
+use crate::sweep::reporter::human;
+use crate::sweep::{ExitCode, Job, Sweep};
 
 /// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take.
 pub(super) fn dry_run(
     registry: &Registry,
     plan: &Plan,
-    jobs: &[Job],
+    sweep: &Sweep,
     results: &Path,
     parallel: usize,
 ) -> Exit {
-    print(&describe(plan, jobs, results));
-    let open = jobs.iter().zip(&plan.runs).filter(|(job, _)| !matches!(job.state, State::Ended(_)));
+    print(&describe(plan, sweep, results));
+    let open = sweep.jobs().iter().zip(&plan.runs).filter(|(job, _)| job.is_open());
     let open: Vec<PlannedRun> = open.map(|(_, run)| run.clone()).collect();
     if open.is_empty() {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(ExitCode::Success);
     }
     let kinds = Estimates::kinds(&open);
     complain(&format!("goalbench: measuring the speed of {kinds} kinds of run, three cycles each"));
@@ -43,32 +41,33 @@ pub(super) fn dry_run(
         time(wall),
         time(longest),
     ));
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 /// The plan as text: a line per cell with its seeds and steps, then the sums.
-fn describe(plan: &Plan, jobs: &[Job], results: &Path) -> String {
+fn describe(plan: &Plan, sweep: &Sweep, results: &Path) -> String {
     let mut cells: Vec<(String, Vec<String>, u64)> = Vec::new();
-    for job in jobs {
-        let run = &job.manifest.run;
+    for job in sweep.jobs() {
+        let run = job.run();
         let name = format!("{}/{}/{}", run.environment, run.curriculum, run.variant);
         let seed = run.seed.to_string();
         match cells.iter_mut().find(|(known, ..)| *known == name) {
             Some((_, seeds, _)) => seeds.push(seed),
-            None => cells.push((name, vec![seed], job.steps)),
+            None => cells.push((name, vec![seed], job.steps())),
         }
     }
     let mut text = format!("protocol {}, results in {}\n", plan.name, results.display());
     for (name, seeds, steps) in &cells {
         text += &format!("  {name:<56} {steps:>9} steps, seeds {}\n", seeds.join(","));
     }
-    let open: Vec<&Job> = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).collect();
+    let steps = |jobs: &[&Job]| jobs.iter().map(|job| job.steps()).sum::<u64>();
+    let (all, open): (Vec<&Job>, Vec<&Job>) = (sweep.jobs().iter().collect(), sweep.open().collect());
     text += &format!(
         "{} runs, {} training steps; {} runs ({} steps) still to do\n",
-        jobs.len(),
-        jobs.iter().map(|job| job.steps).sum::<u64>(),
+        all.len(),
+        steps(&all),
         open.len(),
-        open.iter().map(|job| job.steps).sum::<u64>()
+        steps(&open)
     );
     text
 }

@@ -10,7 +10,7 @@ use reports::store::{RunFolder, layout};
 use serde::{Deserialize, Serialize};
 
 use super::{checksums, write_json};
-use crate::run::train::Phase;
+use crate::run::observer::Stage;
 use crate::tracking::EventFile;
 
 /// How far a run's files had come at a checkpoint.
@@ -23,7 +23,7 @@ pub struct Extent {
     spent: Spent,
 }
 
-/// Seconds since the run began, by [`Phase`].
+/// Seconds since the run began, by [`Stage`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Spent {
     teacher: f64,
@@ -139,12 +139,13 @@ impl Recorder {
         self.wall_before + self.begun.elapsed().as_secs_f64()
     }
 
-    /// Notes that the run spent `time` in `phase`.
-    pub fn spent(&mut self, phase: Phase, time: Duration) {
-        let sum = match phase {
-            Phase::Teacher => &mut self.spent.teacher,
-            Phase::Learning => &mut self.spent.learning,
-            Phase::Evaluation => &mut self.spent.evaluation,
+    /// Notes that the run spent `time` in `stage`, if that is recorded.
+    pub fn spent(&mut self, stage: Stage, time: Duration) {
+        let sum = match stage {
+            Stage::Teaching => &mut self.spent.teacher,
+            Stage::Learning => &mut self.spent.learning,
+            Stage::Evaluating => &mut self.spent.evaluation,
+            _ => return,
         };
         *sum += time.as_secs_f64();
     }

@@ -5,7 +5,7 @@ use crate::Registry;
 use crate::error::HarnessError;
 
 /// A built-in protocol: its name and its TOML text.
-pub struct Preset {
+pub struct ProtocolPreset {
     /// What `--preset` takes.
     pub name: &'static str,
     /// The document, as a user would write it.
@@ -13,22 +13,22 @@ pub struct Preset {
 }
 
 /// All presets, smallest first.
-pub const PRESETS: [Preset; 8] = [
-    Preset { name: "smoke", text: include_str!("presets/smoke.toml") },
-    Preset { name: "quickstart", text: include_str!("presets/quickstart.toml") },
-    Preset { name: "reduced", text: include_str!("presets/reduced.toml") },
-    Preset { name: "ambiguity", text: include_str!("presets/ambiguity.toml") },
-    Preset { name: "ablation-window", text: include_str!("presets/ablation-window.toml") },
-    Preset { name: "ablation-interplay", text: include_str!("presets/ablation-interplay.toml") },
-    Preset { name: "ablation-polyak", text: include_str!("presets/ablation-polyak.toml") },
-    Preset { name: "paper", text: include_str!("presets/paper.toml") },
+pub const PRESETS: [ProtocolPreset; 8] = [
+    ProtocolPreset { name: "smoke", text: include_str!("smoke.toml") },
+    ProtocolPreset { name: "quickstart", text: include_str!("quickstart.toml") },
+    ProtocolPreset { name: "reduced", text: include_str!("reduced.toml") },
+    ProtocolPreset { name: "ambiguity", text: include_str!("ambiguity.toml") },
+    ProtocolPreset { name: "ablation-window", text: include_str!("ablation-window.toml") },
+    ProtocolPreset { name: "ablation-interplay", text: include_str!("ablation-interplay.toml") },
+    ProtocolPreset { name: "ablation-polyak", text: include_str!("ablation-polyak.toml") },
+    ProtocolPreset { name: "paper", text: include_str!("paper.toml") },
 ];
 
 /// The preset with this name.
 ///
 /// # Errors
 /// [`HarnessError::Unknown`] with a suggestion.
-pub fn find(name: &str) -> Result<&'static Preset, HarnessError> {
+pub fn find(name: &str) -> Result<&'static ProtocolPreset, HarnessError> {
     let accepted = PRESETS.iter().map(|preset| preset.name);
     PRESETS
         .iter()
@@ -36,7 +36,7 @@ pub fn find(name: &str) -> Result<&'static Preset, HarnessError> {
         .ok_or_else(|| HarnessError::unknown("", "preset", name, accepted))
 }
 
-impl Preset {
+impl ProtocolPreset {
     /// The preset as a protocol.
     ///
     /// # Errors

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::Display;
-use crate::executor::event::Event;
-use crate::executor::{Ending, Job};
+use super::Reporter;
+use crate::sweep::event::Event;
+use crate::sweep::job::{Ending, Job};
 
 /// Hands every line, without its newline, to `out`.
 pub(super) struct Json<F: Fn(&str) + Sync> {
@@ -13,13 +13,13 @@ pub(super) struct Json<F: Fn(&str) + Sync> {
 
 impl<F: Fn(&str) + Sync> Json<F> {
     fn tell(&self, job: &Job, mut event: Value) {
-        event["run"] = json!(job.manifest.run);
-        event["steps"] = json!(job.steps);
+        event["run"] = json!(job.run());
+        event["steps"] = json!(job.steps());
         (self.out)(&event.to_string());
     }
 }
 
-impl<F: Fn(&str) + Sync> Display for Json<F> {
+impl<F: Fn(&str) + Sync> Reporter for Json<F> {
     fn started(&self, job: &Job) {
         self.tell(job, json!({ "event": "started" }));
     }

@@ -1,15 +1,20 @@
 //! Runs side by side on this machine, each in a worker process.
 
 mod complaints;
+pub mod device;
 mod supervise;
 
 use std::sync::Mutex;
 
-use super::{Ending, Job, signals::Stopper};
+use super::job::{Ending, Job};
+use super::reporter::Reporter;
+use super::signals::Stopper;
 use crate::error::HarnessError;
-use crate::progress::Display;
 use crate::run::folder::{self, State};
 use supervise::Supervisor;
+
+/// The program that this process was started from, also when another one has been built in its place since.
+const THIS_PROGRAM: &str = "/proc/self/exe";
 
 /// How runs are carried out; nothing of it changes what they record.
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +31,11 @@ pub struct Conduct {
 ///
 /// # Errors
 /// [`HarnessError`] if run folders or threads cannot be made; endings of single runs are no errors.
-pub fn execute(
+pub(super) fn execute(
     jobs: &[Job],
     conduct: Conduct,
     stopper: &Stopper,
-    display: &dyn Display,
+    reporter: &dyn Reporter,
 ) -> Result<Vec<Ending>, HarnessError> {
     for job in jobs.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
@@ -38,8 +43,8 @@ pub fn execute(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(conduct.parallel)
         .build()
-        .map_err(|error| HarnessError::Argument { option: "--jobs", reason: error.to_string() })?;
-    let supervisor = Supervisor { conduct, stopper, display };
+        .map_err(HarnessError::system("start a thread per run"))?;
+    let supervisor = Supervisor { conduct, stopper, reporter };
     let endings: Vec<Mutex<Option<Ending>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     pool.in_place_scope_fifo(|scope| {
         for (job, ending) in jobs.iter().zip(&endings) {

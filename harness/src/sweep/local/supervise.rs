@@ -6,36 +6,43 @@ use std::process::{Child, Command, Stdio};
 
 use reports::store::RunFolder;
 
-use super::Conduct;
-use super::complaints::{self, Listener, describe};
+use super::complaints::{self, Listener};
+use super::{Conduct, THIS_PROGRAM};
 use crate::error::chain;
-use crate::executor::event::Event;
-use crate::executor::signals::Stopper;
-use crate::executor::{Ending, Job};
-use crate::progress::Display;
 use crate::run::folder::State;
-
-/// Exit code with which a worker refuses its input: trying again would not help.
-const REFUSED: i32 = crate::cli::WRONG_INPUT as i32;
-
-/// Exit code with which a worker leaves a run to the process that is carrying it out.
-const TAKEN: i32 = crate::cli::TAKEN as i32;
-
-/// The program that this process was started from, also when another one has been built in its place since.
-const THIS_PROGRAM: &str = "/proc/self/exe";
+use crate::sweep::event::Event;
+use crate::sweep::job::{Ending, Job};
+use crate::sweep::reporter::Reporter;
+use crate::sweep::signals::Stopper;
 
 /// What all jobs share.
 pub(super) struct Supervisor<'a> {
     pub(super) conduct: Conduct,
     pub(super) stopper: &'a Stopper,
-    pub(super) display: &'a dyn Display,
+    pub(super) reporter: &'a dyn Reporter,
 }
 
 /// How one worker process ended.
 enum Attempt {
     Over(Ending),
+    /// Trying again would not help.
+    Refused(String),
     /// It may go better another time.
     Crash(String),
+}
+
+impl Attempt {
+    /// What a worker's last word says of its attempt; `None` if it is not a last word.
+    fn of(event: &Event) -> Option<Self> {
+        match event {
+            Event::Ended { outcome } => Some(Self::Over(Ending::Ended(outcome.clone()))),
+            Event::Stopped { .. } => Some(Self::Over(Ending::Stopped)),
+            Event::Taken => Some(Self::Over(Ending::Taken)),
+            Event::Refused { reason } => Some(Self::Refused(reason.clone())),
+            Event::Broken { reason } => Some(Self::Crash(reason.clone())),
+            Event::Step { .. } | Event::Evaluated { .. } => None,
+        }
+    }
 }
 
 impl Supervisor<'_> {
@@ -43,15 +50,15 @@ impl Supervisor<'_> {
     pub(super) fn see_through(&self, job: &Job) -> Ending {
         if let State::Ended(outcome) = &job.state {
             let ending = Ending::Ended(outcome.clone());
-            self.display.ended(job, &ending);
+            self.reporter.ended(job, &ending);
             return ending;
         }
         if self.stopper.is_stopping() {
             return Ending::Stopped;
         }
-        self.display.started(job);
+        self.reporter.started(job);
         let ending = self.attempts(job);
-        self.display.ended(job, &ending);
+        self.reporter.ended(job, &ending);
         ending
     }
 
@@ -59,11 +66,10 @@ impl Supervisor<'_> {
         let mut attempt = 0;
         loop {
             match self.attempt(job) {
-                Attempt::Over(ending) => {
-                    if let Ending::Crashed { reason } = &ending {
-                        self.note_crash(job, attempt, reason);
-                    }
-                    return ending;
+                Attempt::Over(ending) => return ending,
+                Attempt::Refused(reason) => {
+                    self.note_crash(job, attempt, &reason);
+                    return Ending::Crashed { reason };
                 }
                 Attempt::Crash(_) if self.stopper.is_stopping() => return Ending::Stopped,
                 Attempt::Crash(reason) => {
@@ -72,9 +78,9 @@ impl Supervisor<'_> {
                         return Ending::Crashed { reason };
                     }
                     let left = self.conduct.retries - attempt;
-                    self.display.note(&format!(
+                    self.reporter.note(&format!(
                         "{}: {reason}; going on from its checkpoint ({left} attempts left)",
-                        job.manifest.run
+                        job.run()
                     ));
                     attempt += 1;
                 }
@@ -102,33 +108,32 @@ impl Supervisor<'_> {
         let mut last = None;
         for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines() {
             let Ok(line) = line else { break };
-            match serde_json::from_str(&line) {
-                Ok(Event::Ended { outcome }) => last = Some(Ending::Ended(outcome)),
-                Ok(Event::Stopped { .. }) => last = Some(Ending::Stopped),
-                Ok(event) => self.display.event(job, &event),
-                Err(_) => self.display.note(&format!("{}: {line}", job.manifest.run)),
+            match serde_json::from_str::<Event>(&line) {
+                Ok(event) => match Attempt::of(&event) {
+                    Some(attempt) => last = Some(attempt),
+                    None => self.reporter.event(job, &event),
+                },
+                Err(_) => self.reporter.note(&format!("{}: {line}", job.run())),
             }
         }
         let status = child.wait();
         let complaints = listener.text();
         if let Err(error) = complaints::keep(&job.folder, &complaints) {
-            self.display.note(&format!("{}: cannot keep what its worker said: {error}", job.manifest.run));
+            self.reporter.note(&format!("{}: cannot keep what its worker said: {error}", job.run()));
         }
         match (last, status) {
-            (Some(ending), _) => Attempt::Over(ending),
-            (None, Ok(status)) if status.code() == Some(TAKEN) => Attempt::Over(Ending::Taken),
-            (None, Ok(status)) if status.code() == Some(REFUSED) => {
-                Attempt::Over(Ending::Crashed { reason: describe(&job.manifest.run, status, &complaints) })
-            }
-            (None, Ok(status)) => Attempt::Crash(describe(&job.manifest.run, status, &complaints)),
-            (None, Err(error)) => Attempt::Crash(format!("cannot wait for the worker: {error}")),
+            (Some(Attempt::Over(ending)), _) => Attempt::Over(ending),
+            (Some(Attempt::Refused(reason)), Ok(status)) => Attempt::Refused(format!("{reason} ({status})")),
+            (Some(Attempt::Crash(reason)), Ok(status)) => Attempt::Crash(format!("{reason} ({status})")),
+            (None, Ok(status)) => Attempt::Crash(complaints::last_words(status, &complaints)),
+            (_, Err(error)) => Attempt::Crash(format!("cannot wait for the worker: {error}")),
         }
     }
 
     /// Appends to the run's `crashes.jsonl`.
     fn note_crash(&self, job: &Job, attempt: u32, reason: &str) {
         if let Err(error) = RunFolder::new(&job.folder).note_crash(attempt, reason) {
-            self.display.note(&format!("cannot note the crash: {}", chain(&error)));
+            self.reporter.note(&format!("cannot note the crash: {}", chain(&error)));
         }
     }
 }

@@ -11,11 +11,9 @@ use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
-use super::local::{self, Conduct};
-use super::signals::Stopper;
-use super::{Ending, Job};
+use super::job::Job;
+use super::{Conduct, Prepared, Sweep};
 use crate::error::HarnessError;
-use crate::progress;
 use crate::run::folder::{self, State, read_json};
 
 /// What a user says about the job array.
@@ -57,39 +55,45 @@ struct Tasks {
     tasks: Vec<Vec<PathBuf>>,
 }
 
-/// Submits all `jobs` that have not ended; gives the job id and the number of tasks, or `None` if there is nothing to do.
+/// A submitted job array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Submitted {
+    /// Slurm's id of the job.
+    pub job: String,
+    /// Its tasks.
+    pub tasks: usize,
+}
+
+/// Submits all runs of `sweep` that have not ended; `None` if there are none.
 ///
 /// # Errors
 /// [`HarnessError`] if folders cannot be written or `sbatch` refuses.
-pub fn submit(
-    jobs: &[Job],
-    results: &Path,
-    request: &Request,
-) -> Result<Option<(String, usize)>, HarnessError> {
-    let open: Vec<&Job> = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_))).collect();
+pub(super) fn submit(sweep: &Sweep, request: &Request) -> Result<Option<Submitted>, HarnessError> {
+    let open: Vec<&Job> = sweep.open().collect();
     if open.is_empty() {
         return Ok(None);
     }
+    let results = &sweep.results;
     let results = fs::canonicalize(results).map_err(HarnessError::io(results, "find this folder"))?;
     for job in open.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
     }
     check_queue(&results)?;
     let folder = new_submission(&results)?;
-    let relative = |job: &Job| reports::store::layout::run_dir(Path::new(""), &job.manifest.run);
+    let relative = |job: &Job| reports::store::layout::run_dir(Path::new(""), job.run());
     let tasks =
         open.chunks(request.chunk.max(1)).map(|chunk| chunk.iter().map(|job| relative(job)).collect());
     let tasks =
         Tasks { results, retries: request.retries, tensorboard: request.tensorboard, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
     folder::write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
-    let program = std::env::current_exe().map_err(HarnessError::io("goalbench", "find this program"))?;
+    let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let script = folder.join("task.sh");
     let text = script_text(&program, &list)?;
     fs::write(&script, text).map_err(HarnessError::io(&script, "write this file"))?;
     let count = tasks.tasks.len();
-    let id = match sbatch(&script, &folder, count, request) {
-        Ok(id) => id,
+    let job = match sbatch(&script, &folder, count, request) {
+        Ok(job) => job,
         Err(error) => {
             // Nothing was submitted: leave no trace of a submission. What cannot be removed does no harm.
             let _ = fs::remove_dir_all(&folder);
@@ -97,8 +101,8 @@ pub fn submit(
         }
     };
     let path = folder.join(JOB);
-    fs::write(&path, &id).map_err(HarnessError::io(&path, "write this file"))?;
-    Ok(Some((id, count)))
+    fs::write(&path, &job).map_err(HarnessError::io(&path, "write this file"))?;
+    Ok(Some(Submitted { job, tasks: count }))
 }
 
 /// Refuses to submit runs a second time while an earlier submission is still in the queue.
@@ -174,8 +178,7 @@ fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Resu
             .ok_or_else(|| refused(format!("--sbatch `{line}`: its quotes do not match")))?;
         command.args(words);
     }
-    let output =
-        command.arg(script).output().map_err(|error| refused(format!("cannot start it: {error}")))?;
+    let output = command.arg(script).output().map_err(HarnessError::io("sbatch", "start it"))?;
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
     if !output.status.success() {
         return Err(refused(said(&output.stderr)));
@@ -188,30 +191,27 @@ fn refused(reason: String) -> HarnessError {
     HarnessError::Slurm { reason }
 }
 
-/// Carries out the runs of one task of the list at `list`. Gives them with their endings.
+/// The runs of one task of the list at `list`, and how to carry them out: one after the other.
 ///
 /// # Errors
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
-pub fn task(list: &Path, index: usize) -> Result<(Vec<Job>, Vec<Ending>), HarnessError> {
+pub fn task(list: &Path, index: usize) -> Result<(Prepared, Conduct), HarnessError> {
     let damaged = |reason: String| HarnessError::Damaged { path: list.to_owned(), reason };
-    let tasks: Tasks = read_json(list)?.ok_or_else(|| damaged("there is no such file".into()))?;
-    let count = tasks.tasks.len();
+    let Tasks { results, retries, tensorboard, tasks } =
+        read_json(list)?.ok_or_else(|| damaged("there is no such file".into()))?;
+    let count = tasks.len();
     let folders =
-        tasks.tasks.get(index).ok_or_else(|| damaged(format!("there is no task {index}, only {count}")))?;
-    let jobs =
-        folders.iter().map(|folder| job(&tasks.results.join(folder))).collect::<Result<Vec<_>, _>>()?;
-    let stopper = Stopper::listen(|| {}).map_err(HarnessError::io(list, "listen for signals"))?;
-    let display = progress::lines(&jobs, 1);
-    let conduct = Conduct { parallel: 1, retries: tasks.retries, tensorboard: tasks.tensorboard };
-    let endings = local::execute(&jobs, conduct, &stopper, display.as_ref())?;
-    Ok((jobs, endings))
+        tasks.get(index).ok_or_else(|| damaged(format!("there is no task {index}, only {count}")))?;
+    let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
+    let conduct = Conduct { parallel: 1, retries, tensorboard };
+    Ok((Prepared { sweep: Sweep { results, jobs }, _lock: None }, conduct))
 }
 
 /// The run that `folder` was prepared for.
 fn job(folder: &Path) -> Result<Job, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder)?;
     let state = folder::inspect(folder, &manifest)?;
-    Ok(Job { manifest, steps: config.budget.steps, folder: folder.to_owned(), state })
+    Ok(Job { manifest, config, folder: folder.to_owned(), state })
 }
 
 #[cfg(test)]

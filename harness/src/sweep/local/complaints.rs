@@ -1,4 +1,4 @@
-//! What a run's workers say on standard error: kept whole in the run's folder, one line of it told.
+//! What a run's workers say on standard error: kept in the run's folder, for people.
 
 use std::fs::OpenOptions;
 use std::io::{Read, Write};
@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::{ChildStderr, ExitStatus};
 use std::thread::JoinHandle;
 
-use reports::schema::RunKey;
 use reports::store::layout;
 use rustix::process::Signal;
 
@@ -49,22 +48,11 @@ pub(super) fn keep(folder: &Path, text: &str) -> std::io::Result<()> {
     OpenOptions::new().create(true).append(true).open(path)?.write_all(text.as_bytes())
 }
 
-/// How a worker of `run` ended: the line in which it said why (its own message, what follows "panicked at", or else its
-/// first) and its exit status.
-pub(super) fn describe(run: &RunKey, status: ExitStatus, complaints: &str) -> String {
+/// How a worker ended that could not say so itself: it was killed, or a library ended the process and left a line.
+pub(super) fn last_words(status: ExitStatus, complaints: &str) -> String {
     if status.signal() == Some(Signal::KILL.as_raw()) {
         return format!("killed from outside, as the system does when memory runs out ({status})");
     }
-    let mut lines = complaints.lines().map(str::trim).filter(|line| !line.is_empty());
-    let own = lines.clone().find(|line| line.starts_with("goalbench: "));
-    let panic = lines.clone().skip_while(|line| !line.contains("panicked at")).nth(1);
-    match own.or(panic).or_else(|| lines.next()) {
-        Some(line) => {
-            // Whoever shows it says which program and which run.
-            let line = line.strip_prefix("goalbench: ").unwrap_or(line);
-            let line = line.strip_prefix(&format!("{run}: ")).unwrap_or(line);
-            format!("{line} ({status})")
-        }
-        None => format!("the worker ended without a word ({status})"),
-    }
+    let line = complaints.lines().map(str::trim).find(|line| !line.is_empty());
+    format!("{} ({status})", line.unwrap_or("the worker ended without a word"))
 }

@@ -7,10 +7,9 @@ use std::time::Instant;
 
 use reports::schema::RunKey;
 
-use super::{Display, ending_text, human, time_left};
-use crate::executor::event::Event;
-use crate::executor::{Ending, Job};
-use crate::run::folder::State;
+use super::{Reporter, ending_text, human, time_left};
+use crate::sweep::event::Event;
+use crate::sweep::job::{Ending, Job};
 
 /// Writes to standard error.
 pub(super) struct Lines {
@@ -46,10 +45,10 @@ impl Current {
 
 impl Lines {
     pub(super) fn new(jobs: &[Job], parallel: usize) -> Self {
-        let open = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_)));
+        let open = jobs.iter().filter(|job| job.is_open());
         let lines = Self {
             runs: jobs.len(),
-            total_steps: open.clone().map(|job| job.steps).sum(),
+            total_steps: open.clone().map(|job| job.steps()).sum(),
             begun: Instant::now(),
             state: Mutex::default(),
         };
@@ -58,45 +57,43 @@ impl Lines {
     }
 }
 
-impl Display for Lines {
+impl Reporter for Lines {
     fn started(&self, job: &Job) {
         let mut state = self.state.lock().expect("no holder of this lock panics");
-        state
-            .current
-            .insert(job.manifest.run.clone(), Current { begun: Instant::now(), first: None, step: 0 });
+        state.current.insert(job.run().clone(), Current { begun: Instant::now(), first: None, step: 0 });
     }
 
     fn event(&self, job: &Job, event: &Event) {
         let mut state = self.state.lock().expect("no holder of this lock panics");
-        let Some(current) = state.current.get_mut(&job.manifest.run) else { return };
+        let Some(current) = state.current.get_mut(job.run()) else { return };
         let (Event::Step { step } | Event::Evaluated { step, .. }) = event else { return };
         current.step = *step;
         let first = *current.first.get_or_insert(*step);
         let Event::Evaluated { step, success_rate } = event else { return };
         let speed = current.taken() as f64 / current.begun.elapsed().as_secs_f64().max(1e-9);
         // Steps that a checkpoint brought along were not taken by this sweep.
-        state.brought.insert(job.manifest.run.clone(), first);
+        state.brought.insert(job.run().clone(), first);
         let done = state.taken_by_ended + state.current.values().map(Current::taken).sum::<u64>();
         let total = self.total_steps.saturating_sub(state.brought.values().sum());
         let left = time_left(done, total, self.begun.elapsed());
         let left = left.map_or("?".into(), human);
         self.note(&format!(
             "{}  step {step}/{}  success {success_rate:.2}  {speed:.0} steps/s  | all: {}/{} runs, {left} left",
-            job.manifest.run, job.steps, state.ended, self.runs
+            job.run(), job.steps(), state.ended, self.runs
         ));
     }
 
     fn ended(&self, job: &Job, ending: &Ending) {
         let mut state = self.state.lock().expect("no holder of this lock panics");
         state.ended += 1;
-        let text = match state.current.remove(&job.manifest.run) {
+        let text = match state.current.remove(job.run()) {
             Some(current) => {
                 state.taken_by_ended += current.taken();
                 format!("{} in {}", ending_text(ending), human(current.begun.elapsed()))
             }
             None => format!("{} (kept from before)", ending_text(ending)),
         };
-        self.note(&format!("{}  {text}  | all: {}/{} runs", job.manifest.run, state.ended, self.runs));
+        self.note(&format!("{}  {text}  | all: {}/{} runs", job.run(), state.ended, self.runs));
     }
 
     fn note(&self, text: &str) {

@@ -7,11 +7,11 @@ mod lines;
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use crate::executor::event::Event;
-use crate::executor::{Ending, Job};
+use crate::sweep::event::Event;
+use crate::sweep::job::{Ending, Job};
 
 /// Hears of all runs. Several threads call it.
-pub trait Display: Sync {
+pub trait Reporter: Sync {
     /// A run's worker is started.
     fn started(&self, job: &Job);
     /// A worker told something.
@@ -23,7 +23,7 @@ pub trait Display: Sync {
 }
 
 /// The display that fits: bars if standard error is a terminal, lines if not.
-pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Display> {
+pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Reporter> {
     if std::io::stderr().is_terminal() {
         Box::new(bars::Bars::new(jobs, parallel))
     } else {
@@ -32,12 +32,12 @@ pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Display> {
 }
 
 /// Plain lines, whatever standard error is.
-pub fn lines(jobs: &[Job], parallel: usize) -> Box<dyn Display> {
+pub fn lines(jobs: &[Job], parallel: usize) -> Box<dyn Reporter> {
     Box::new(lines::Lines::new(jobs, parallel))
 }
 
 /// JSON lines, one per event, each handed to `out`.
-pub fn json(out: impl Fn(&str) + Sync + 'static) -> Box<dyn Display> {
+pub fn json(out: impl Fn(&str) + Sync + 'static) -> Box<dyn Reporter> {
     Box::new(json::Json { out })
 }
 

@@ -7,10 +7,9 @@ use std::time::Duration;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use reports::schema::RunKey;
 
-use super::{Display, ending_text};
-use crate::executor::event::Event;
-use crate::executor::{Ending, Job};
-use crate::run::folder::State;
+use super::{Reporter, ending_text};
+use crate::sweep::event::Event;
+use crate::sweep::job::{Ending, Job};
 
 const RUN: &str = "{prefix:<44!} {bar:20} {pos:>7}/{len:7} {msg:13} {per_sec:>12} {eta:>4} left";
 const WHOLE: &str = "{prefix:<44!} {bar:20} {msg} {per_sec:>12} {eta:>4} left";
@@ -30,9 +29,9 @@ struct Inner {
 
 impl Bars {
     pub(super) fn new(jobs: &[Job], parallel: usize) -> Self {
-        let open = jobs.iter().filter(|job| !matches!(job.state, State::Ended(_)));
+        let open = jobs.iter().filter(|job| job.is_open());
         let screen = MultiProgress::new();
-        let whole = screen.add(ProgressBar::new(open.map(|job| job.steps).sum()).with_style(style(WHOLE)));
+        let whole = screen.add(ProgressBar::new(open.map(|job| job.steps()).sum()).with_style(style(WHOLE)));
         whole.set_prefix(format!("all runs, {parallel} at a time"));
         whole.enable_steady_tick(Duration::from_millis(500));
         let state = Mutex::new(Inner { ended: 0, bars: BTreeMap::new() });
@@ -50,24 +49,24 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the template is a constant").progress_chars("=> ")
 }
 
-impl Display for Bars {
+impl Reporter for Bars {
     fn started(&self, job: &Job) {
-        let bar = ProgressBar::new(0).with_style(style(RUN)).with_prefix(job.manifest.run.to_string());
+        let bar = ProgressBar::new(0).with_style(style(RUN)).with_prefix(job.run().to_string());
         let bar = self.screen.insert_before(&self.whole, bar);
-        self.state.lock().expect("no holder of this lock panics").bars.insert(job.manifest.run.clone(), bar);
+        self.state.lock().expect("no holder of this lock panics").bars.insert(job.run().clone(), bar);
     }
 
     fn event(&self, job: &Job, event: &Event) {
         let state = self.state.lock().expect("no holder of this lock panics");
-        let Some(bar) = state.bars.get(&job.manifest.run) else { return };
+        let Some(bar) = state.bars.get(job.run()) else { return };
         if let Event::Evaluated { success_rate, .. } = event {
             bar.set_message(format!("success {success_rate:.2}"));
         }
         if let Event::Step { step } | Event::Evaluated { step, .. } = event {
-            let step = (*step).min(job.steps);
+            let step = (*step).min(job.steps());
             if bar.length() == Some(0) {
                 // The first word of a worker: what it brings along from a checkpoint is not this sweep's speed.
-                bar.set_length(job.steps);
+                bar.set_length(job.steps());
                 bar.set_position(step);
                 bar.reset_eta();
                 self.whole.set_length(self.whole.length().unwrap_or(0).saturating_sub(step));
@@ -81,11 +80,11 @@ impl Display for Bars {
     fn ended(&self, job: &Job, ending: &Ending) {
         let mut state = self.state.lock().expect("no holder of this lock panics");
         state.ended += 1;
-        if let Some(bar) = state.bars.remove(&job.manifest.run) {
-            self.whole.inc(job.steps.saturating_sub(bar.position()));
+        if let Some(bar) = state.bars.remove(job.run()) {
+            self.whole.inc(job.steps().saturating_sub(bar.position()));
             let last = bar.message();
             bar.finish_and_clear();
-            self.note(&format!("{}  {}  {last}", job.manifest.run, ending_text(ending)));
+            self.note(&format!("{}  {}  {last}", job.run(), ending_text(ending)));
         }
         self.show_count(state.ended);
         if state.ended == self.runs {

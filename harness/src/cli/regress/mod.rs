@@ -7,7 +7,7 @@ mod record;
 
 use clap::Subcommand;
 
-use super::{Exit, FAILED, STOPPED, print};
+use super::{Exit, print};
 use crate::Registry;
 
 #[derive(clap::Args)]

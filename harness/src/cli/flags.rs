@@ -1,0 +1,108 @@
+//! Flags that several commands take, for `#[command(flatten)]`.
+
+use std::path::PathBuf;
+
+use crate::config::seeds;
+use crate::error::HarnessError;
+use crate::protocol::presets;
+
+/// `--jobs`.
+#[derive(clap::Args)]
+pub(super) struct JobsFlag {
+    /// Runs side by side, one thread each [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+}
+
+impl JobsFlag {
+    /// Whether the flag was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.jobs.is_some()
+    }
+
+    /// How many of `runs` to carry out side by side: no more than there are, whatever number was asked for.
+    pub(super) fn for_runs(&self, runs: usize) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.jobs.map_or_else(cores, usize::from).min(runs.max(1))
+    }
+}
+
+/// Which protocol: a file or a preset.
+#[derive(clap::Args)]
+pub(super) struct ProtocolFlags {
+    /// Protocol file (TOML); `goalbench protocol show quickstart` prints one to start from
+    #[arg(conflicts_with = "preset")]
+    protocol: Option<PathBuf>,
+    /// Built-in protocol; `goalbench list presets` names them
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+}
+
+/// A protocol as it was written.
+pub(super) struct ProtocolText {
+    /// The flag that asks for it, as a user would type it.
+    pub(super) flag: String,
+    /// What errors call it.
+    pub(super) name: String,
+    /// TOML.
+    pub(super) text: String,
+}
+
+impl ProtocolFlags {
+    /// The text of the protocol; `None` where no flag names one.
+    ///
+    /// # Errors
+    /// [`HarnessError`] if the file cannot be read or there is no such preset.
+    pub(super) fn text(&self) -> Result<Option<ProtocolText>, HarnessError> {
+        match (&self.protocol, &self.preset) {
+            (Some(path), _) => ProtocolText::of_file(path.clone()).map(Some),
+            (None, Some(name)) => {
+                let preset = presets::find(name)?;
+                Ok(Some(ProtocolText {
+                    flag: format!("--preset {}", preset.name),
+                    name: format!("preset {}", preset.name),
+                    text: preset.text.to_owned(),
+                }))
+            }
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+impl ProtocolText {
+    /// Reads a protocol file.
+    ///
+    /// # Errors
+    /// [`HarnessError::Io`] if it cannot be read.
+    pub(super) fn of_file(path: PathBuf) -> Result<Self, HarnessError> {
+        let text = std::fs::read_to_string(&path).map_err(HarnessError::io(&path, "read this protocol"))?;
+        let name = path.display().to_string();
+        Ok(Self { flag: format!("--protocol {name}"), name, text })
+    }
+}
+
+/// `--seeds` of a command that takes a protocol.
+#[derive(clap::Args)]
+pub(super) struct SeedsFlag {
+    /// Seeds instead of the protocol's: a range such as 0..7 (0 to 6), a list such as 0,3
+    #[arg(long, value_name = "SEEDS")]
+    seeds: Option<String>,
+}
+
+impl SeedsFlag {
+    /// The seeds given, or else `others`.
+    ///
+    /// # Errors
+    /// [`HarnessError::Argument`] if they cannot be read.
+    pub(super) fn or(&self, others: Vec<u64>) -> Result<Vec<u64>, HarnessError> {
+        self.seeds.as_deref().map_or(Ok(others), |text| parse_seeds("--seeds", text))
+    }
+}
+
+/// Seeds as `option` gives them.
+///
+/// # Errors
+/// [`HarnessError::Argument`] if they cannot be read.
+pub(super) fn parse_seeds(option: &'static str, text: &str) -> Result<Vec<u64>, HarnessError> {
+    seeds::parse(text).map_err(|reason| HarnessError::Argument { option, reason })
+}

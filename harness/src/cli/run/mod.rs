@@ -1,0 +1,232 @@
+//! `goalbench run`.
+
+mod dry;
+mod summary;
+
+use std::path::{Path, PathBuf};
+
+use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag};
+use super::{Exit, complain, print};
+use crate::Registry;
+use crate::config::layer::Layer;
+use crate::error::HarnessError;
+use crate::protocol::Protocol;
+use crate::protocol::plan::Plan;
+use crate::sweep::slurm::{self, Request};
+use crate::sweep::{Conduct, ExitCode, Preparation, Prepared, Sweep, reporter};
+use summary::summarise;
+
+#[derive(clap::Args)]
+#[command(after_help = "Without PROTOCOL and --preset, --env and --curriculum say what to run.\n\
+    Runs that are already finished in the results folder are kept; one recorded with another config is refused.")]
+pub(super) struct Args {
+    #[command(flatten)]
+    protocol: ProtocolFlags,
+    /// Environments or suites instead of the protocol's, separated by commas
+    #[arg(long = "env", value_name = "ID,...", value_delimiter = ',')]
+    environments: Vec<String>,
+    /// Curricula instead of the protocol's, separated by commas
+    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',')]
+    curricula: Vec<String>,
+    #[command(flatten)]
+    seeds: SeedsFlag,
+    /// Training steps per run; short for --set budget.steps=N
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+    /// Where the student computes: cpu or cuda; short for --set student.device=NAME
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// Any config field, as in curriculum.teach.window=5; `goalbench list config` shows them all [repeatable]
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Results folder [default: results/NAME, after the protocol's name]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    jobs: JobsFlag,
+    /// How often a run whose worker crashed is begun again from its checkpoint
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    retries: u32,
+    /// Print progress as JSON lines on standard output, for scripts
+    #[arg(long, conflicts_with = "dry_run")]
+    json: bool,
+    /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
+    #[arg(long)]
+    tensorboard: bool,
+    /// Let runs that failed (diverged learning, unstable physics) go on from their last checkpoint, too; on the CPU
+    /// they fail again at the same step unless the program changed
+    #[arg(long)]
+    retry_failed: bool,
+    /// Where runs are carried out
+    #[arg(long, value_enum, default_value_t = Executor::Local)]
+    executor: Executor,
+    #[command(flatten)]
+    slurm: SlurmArgs,
+    /// Print the plan and what it would take at this machine's speed, and change nothing
+    #[arg(long)]
+    dry_run: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Executor {
+    /// Worker processes on this machine
+    Local,
+    /// A Slurm job array
+    Slurm,
+}
+
+/// Options of `--executor slurm`.
+#[derive(clap::Args)]
+#[command(next_help_heading = "With --executor slurm")]
+struct SlurmArgs {
+    /// Partition of the tasks
+    #[arg(long, value_name = "NAME")]
+    partition: Option<String>,
+    /// Time limit of a task, as in 12:00:00; a run that needs longer goes on when the same command submits it again
+    #[arg(long, value_name = "TIME")]
+    time: Option<String>,
+    /// Memory of a task, as in 2G
+    #[arg(long, value_name = "SIZE")]
+    mem: Option<String>,
+    /// Most tasks at once
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    at_once: Option<u32>,
+    /// Runs per array task, one after the other [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    chunk: Option<u16>,
+    /// A further option for sbatch, as in --sbatch=--account=me [repeatable]
+    #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
+    extra: Vec<String>,
+}
+
+/// Refuses options that the chosen executor would ignore.
+fn check_executor(args: &Args) -> Result<(), HarnessError> {
+    let SlurmArgs { partition, time, mem, at_once, chunk, extra } = &args.slurm;
+    let given = [
+        ("--partition", partition.is_some()),
+        ("--time", time.is_some()),
+        ("--mem", mem.is_some()),
+        ("--at-once", at_once.is_some()),
+        ("--chunk", chunk.is_some()),
+        ("--sbatch", !extra.is_empty()),
+    ];
+    match (args.executor, given.iter().find(|(_, given)| *given)) {
+        (Executor::Local, Some((option, _))) => {
+            Err(HarnessError::Argument { option, reason: "is for job arrays; add --executor slurm".into() })
+        }
+        (Executor::Slurm, _) if args.json => {
+            let reason = "tells of runs on this machine; for job arrays use goalbench status --json".into();
+            Err(HarnessError::Argument { option: "--json", reason })
+        }
+        (Executor::Slurm, _) if args.jobs.is_given() => {
+            let reason = "is for runs on this machine; with --executor slurm use --at-once".into();
+            Err(HarnessError::Argument { option: "--jobs", reason })
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
+    check_executor(args)?;
+    let protocol = protocol(registry, args)?;
+    let plan = Plan::new(&protocol, registry)?;
+    let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(folder_name(&plan.name)));
+    let sweep = Sweep::survey(&plan, &results)?;
+    if args.dry_run {
+        return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
+    }
+    if args.executor == Executor::Local {
+        sweep.check_device()?;
+    }
+    let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
+    let sweep = sweep.prepare(preparation)?;
+    for line in sweep.begun_by_other_commits()? {
+        complain(&format!("goalbench: {line}"));
+    }
+    match args.executor {
+        Executor::Local => carry_out(&sweep, args),
+        Executor::Slurm => submit(&sweep, &plan.name, args),
+    }
+}
+
+fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
+    let parallel = args.jobs.for_runs(sweep.open().count());
+    let reporter = if args.json {
+        reporter::json(|line| print(&format!("{line}\n")))
+    } else {
+        reporter::for_stderr(sweep.jobs(), parallel)
+    };
+    let conduct = Conduct { parallel, retries: args.retries, tensorboard: args.tensorboard };
+    let endings = sweep.carry_out(conduct, reporter.as_ref(), || {
+        complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
+    })?;
+    // Bars leave the screen before anything else is said.
+    drop(reporter);
+    Ok(summarise(&endings, sweep.results(), args.json))
+}
+
+fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
+    let request = Request {
+        name: format!("goalbench-{}", folder_name(name)),
+        partition: args.slurm.partition.clone(),
+        time: args.slurm.time.clone(),
+        memory: args.slurm.mem.clone(),
+        at_once: args.slurm.at_once,
+        chunk: args.slurm.chunk.map_or(1, usize::from),
+        retries: args.retries,
+        tensorboard: args.tensorboard,
+        extra: args.slurm.extra.clone(),
+    };
+    let Some(submitted) = sweep.submit(&request)? else {
+        print("nothing to submit\n");
+        return Ok(summarise(&sweep.kept(), sweep.results(), false));
+    };
+    print(&format!(
+        "submitted job {} with {} tasks; next: goalbench status {}\n",
+        submitted.job,
+        submitted.tasks,
+        sweep.results().display()
+    ));
+    Ok(ExitCode::Success)
+}
+
+/// `goalbench task`: what a task of the job array does.
+pub(super) fn task(list: &Path, index: usize) -> Exit {
+    let (sweep, conduct) = slurm::task(list, index)?;
+    let reporter = reporter::lines(sweep.jobs(), conduct.parallel);
+    let endings = sweep.carry_out(conduct, reporter.as_ref(), || {})?;
+    Ok(summarise(&endings, sweep.results(), false))
+}
+
+fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> {
+    let mut protocol = match args.protocol.text()? {
+        Some(written) => Protocol::parse(&written.name, &written.text, registry)?,
+        None if args.environments.is_empty() || args.curricula.is_empty() => {
+            let reason = "give a protocol file, --preset NAME, or both --env and --curriculum".to_owned();
+            return Err(HarnessError::Argument { option: "run", reason });
+        }
+        None => Protocol::from_options(),
+    };
+    if !args.environments.is_empty() {
+        protocol.environments = registry.expand_environments(&args.environments, "--env: ")?;
+    }
+    if !args.curricula.is_empty() {
+        protocol.curricula = registry.expand_curricula(&args.curricula, "--curriculum: ")?;
+    }
+    protocol.seeds = args.seeds.or(protocol.seeds)?;
+    if let Some(steps) = args.steps {
+        protocol.set_steps(steps);
+    }
+    if let Some(device) = &args.device {
+        protocol.set_device(device);
+    }
+    for assignment in &args.set {
+        protocol.set(Layer::from_set(assignment)?);
+    }
+    Ok(protocol)
+}
+
+/// A protocol's name as a folder name.
+fn folder_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect()
+}

@@ -1,0 +1,44 @@
+//! What a sweep came to, in words.
+
+use std::path::Path;
+
+use reports::schema::Outcome;
+
+use crate::cli::{complain, print};
+use crate::sweep::{Ending, Endings, ExitCode};
+
+/// Says what came out and gives the exit code. With `json` the events have told the good end before.
+pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCode {
+    for (run, ending) in endings.iter() {
+        match ending {
+            Ending::Ended(Outcome::Failed { step, reason }) => {
+                complain(&format!("goalbench: {run}: failed at step {step}: {reason}"));
+            }
+            Ending::Crashed { reason } => complain(&format!("goalbench: {run}: crashed: {reason}")),
+            Ending::Ended(Outcome::Finished { .. }) | Ending::Stopped | Ending::Taken => {}
+        }
+    }
+    let (place, total) = (results.display(), endings.total());
+    let of_runs = |count: usize, what: &str| {
+        if count > 0 {
+            complain(&format!("goalbench: {count} of {total} runs {what}"));
+        }
+    };
+    of_runs(
+        endings.failed(),
+        &format!(
+            "failed; the records of the others are in {place}; crashed ones go on with the same command, failed ones \
+             with --retry-failed"
+        ),
+    );
+    of_runs(endings.stopped(), "stopped; the same command goes on with them");
+    of_runs(
+        endings.taken(),
+        &format!("are being carried out by another process; see goalbench status {place}"),
+    );
+    let code = endings.exit_code();
+    if code == ExitCode::Success && !json {
+        print(&format!("{total} runs finished; records in {place}; next: goalbench report {place}\n"));
+    }
+    code
+}

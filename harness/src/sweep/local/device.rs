@@ -1,0 +1,46 @@
+//! Whether the device that runs ask for can be used on this machine.
+
+use std::process::{Command, Stdio};
+
+use super::THIS_PROGRAM;
+use crate::error::{HarnessError, chain};
+use crate::sweep::event::Event;
+use crate::sweep::exit::ExitCode;
+use crate::sweep::job::Job;
+
+/// Refuses jobs for a device that is not usable here.
+///
+/// Another process tries it out, because a GPU's driver keeps memory for every process that has asked it anything.
+///
+/// # Errors
+/// [`HarnessError::Argument`] saying what is missing.
+pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Result<(), HarnessError> {
+    if jobs.all(|job| job.config.student.device == agents::Device::Cpu) {
+        return Ok(());
+    }
+    let output = Command::new(THIS_PROGRAM)
+        .arg("try-cuda")
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(HarnessError::io("goalbench", "run this program"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let refusal = output.stdout.split(|&byte| byte == b'\n').find_map(|line| {
+        let Ok(Event::Refused { reason }) = serde_json::from_slice(line) else { return None };
+        Some(reason)
+    });
+    let ended = || format!("it was tried out and the program ended ({})", output.status);
+    Err(HarnessError::Argument { option: "--device", reason: refusal.unwrap_or_else(ended) })
+}
+
+/// What `goalbench try-cuda` does: opens the device, and says as an event why it cannot.
+///
+/// # Errors
+/// [`HarnessError::System`] if nobody listens.
+pub fn try_cuda() -> Result<ExitCode, HarnessError> {
+    let Err(error) = agents::Device::Cuda.open() else { return Ok(ExitCode::Success) };
+    Event::Refused { reason: chain(&error) }.send().map_err(HarnessError::system("tell the sweep"))?;
+    Ok(ExitCode::WrongInput)
+}

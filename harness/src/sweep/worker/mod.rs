@@ -1,0 +1,225 @@
+//! The worker: one process, one run. `goalbench worker FOLDER` carries out the run whose manifest lies in FOLDER.
+//!
+//! It goes on from the folder's checkpoint if there is one. SIGTERM and SIGINT make it save a checkpoint at the end of
+//! the running cycle and stop; so does the death of its parent.
+
+mod observers;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use agents::AgentError;
+use curricula::CurriculumError;
+use reports::schema::{Manifest, Outcome, RunKey};
+use reports::store::RunFolder;
+use reports::store::layout::{self, Lives};
+use rustix::process::{Signal, set_parent_process_death_signal};
+
+use super::event::Event;
+use super::exit::ExitCode;
+use crate::Registry;
+use crate::config::RunConfig;
+use crate::error::{HarnessError, chain};
+use crate::run::checkpoint::{self, CheckpointError, REPLAY};
+use crate::run::folder::{self, Extent};
+use crate::run::lock::Lock;
+use crate::run::observer::Observer;
+use crate::run::train::{End, RunError, Trainer};
+use observers::{Recording, Telling};
+
+/// How long to wait for another worker that is about to end: longer than a cycle and a checkpoint take.
+const LOCK_PATIENCE: Duration = Duration::from_secs(20);
+/// Time between two looks at the lock.
+const LOCK_PAUSE: Duration = Duration::from_millis(50);
+
+/// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside the records.
+/// A run that breaks down is no failure of the worker: that is its outcome.
+///
+/// The parent hears of everything as events, of what goes wrong as well. Whoever reads standard error gets the error:
+/// `Err` with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
+///
+/// # Errors
+/// The exit code and why.
+pub fn work(
+    registry: &Registry,
+    folder: &Path,
+    tensorboard: bool,
+) -> Result<ExitCode, (ExitCode, HarnessError)> {
+    tell_panics();
+    // A parent that is gone hears nothing; the exit code is all the same.
+    let tell = |event: Event| drop(event.send());
+    match carry_out(registry, folder, tensorboard) {
+        Ok(code) => Ok(code),
+        Err(HarnessError::Locked { .. }) => {
+            tell(Event::Taken);
+            Ok(ExitCode::Taken)
+        }
+        Err(error) => {
+            let text = chain(&error);
+            // Whoever shows it says which run.
+            let run = folder::read_manifest(folder).map(|(manifest, _)| format!("{}: ", manifest.run));
+            let reason = run.ok().and_then(|run| text.strip_prefix(&run)).unwrap_or(&text).to_owned();
+            if error.is_transient() {
+                tell(Event::Broken { reason });
+                Err((ExitCode::Failed, error))
+            } else {
+                tell(Event::Refused { reason });
+                Err((ExitCode::WrongInput, error))
+            }
+        }
+    }
+}
+
+/// Makes a panic, whatever thread it is on, an event as well as a text on standard error.
+fn tell_panics() {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        print(panic);
+        let message = panic.payload_as_str().and_then(|text| text.lines().next());
+        drop(Event::Broken { reason: message.unwrap_or("it panicked").to_owned() }.send());
+    }));
+}
+
+fn carry_out(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<ExitCode, HarnessError> {
+    let (manifest, config) = folder::read_manifest(folder)?;
+    registry.check(&manifest.run)?;
+
+    // Whoever started this worker is waiting for it. If they die, save a checkpoint and stop, like on SIGTERM.
+    set_parent_process_death_signal(Some(Signal::TERM))
+        .map_err(HarnessError::system("listen for the parent's death"))?;
+    let _lock = take_lock(folder)?;
+    let outcome = match folder::outcome(folder, &manifest)? {
+        // Another worker ended this run since it was planned, or was killed before it could say so.
+        Some(outcome) => outcome,
+        None => match train(registry, folder, &manifest, config, tensorboard)? {
+            Some(outcome) => outcome,
+            None => return Ok(ExitCode::Stopped),
+        },
+    };
+    let unwritable = HarnessError::io(folder, "record in this folder");
+    tidy(folder, &outcome).and_then(|()| Event::Ended { outcome }.send()).map_err(unwritable)?;
+    Ok(ExitCode::Success)
+}
+
+/// Trains to the end and records the outcome; `None` if a signal stopped the run, which can go on later.
+fn train(
+    registry: &Registry,
+    folder: &Path,
+    manifest: &Manifest,
+    config: RunConfig,
+    tensorboard: bool,
+) -> Result<Option<Outcome>, HarnessError> {
+    let unwritable = || HarnessError::io(folder, "record in this folder");
+    agents::prepare_thread();
+    let (mut trainer, progress) = begin(registry, folder, manifest, config)?;
+    let stop = stop_flag().map_err(HarnessError::system("listen for signals"))?;
+    let mut recording = Recording::open(folder, &manifest.hash, &progress, tensorboard, Arc::clone(&stop))
+        .map_err(unwritable())?;
+    let mut telling = Telling::new(stop);
+    telling.tell(&Event::Step { step: trainer.step() }).map_err(unwritable())?;
+    // What is told is recorded already.
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut recording, &mut telling];
+    let outcome = match trainer.run(&mut observers) {
+        Ok(End::Finished) => Outcome::Finished { step: trainer.step() },
+        Ok(End::Stopped) => {
+            telling.tell(&Event::Stopped { step: trainer.step() }).map_err(unwritable())?;
+            return Ok(None);
+        }
+        Err(RunError::Recording(source)) => return Err(unwritable()(source)),
+        Err(error) if is_libtorch(&error) => return Err(machine(&manifest.run, error)),
+        Err(error) => Outcome::Failed { step: trainer.step(), reason: chain(&error) },
+    };
+    recording.end(&outcome).map_err(unwritable())?;
+    Ok(Some(outcome))
+}
+
+/// The run as of its checkpoint, or from its beginning if it has none, and how far its records had come.
+fn begin(
+    registry: &Registry,
+    folder: &Path,
+    manifest: &Manifest,
+    config: RunConfig,
+) -> Result<(Trainer, Extent), HarnessError> {
+    let run = &manifest.run;
+    let cannot_begin = |error: RunError| match error {
+        error if is_libtorch(&error) => machine(run, error),
+        error => HarnessError::impossible(run, "begin")(error),
+    };
+    let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
+        CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
+        damaged => HarnessError::impossible(run, "go on")(damaged),
+    })?;
+    let mut trainer = Trainer::new(registry, run.clone(), config).map_err(cannot_begin)?;
+    let Some(checkpoint) = found else {
+        check_beginning(folder)?;
+        return Ok((trainer, Extent::default()));
+    };
+    trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_begin)?;
+    Ok((trainer, checkpoint.progress))
+}
+
+/// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try again.
+fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
+    match outcome {
+        Outcome::Finished { .. } => Ok(RunFolder::new(folder).remove(Lives::UntilFinished)?),
+        Outcome::Failed { .. } => Ok(()),
+    }
+}
+
+/// Refuses to begin anew over records that a checkpoint must have followed: the checkpoint was lost, and the records
+/// would be lost as well.
+fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
+    /// Evaluations that are recorded before the first checkpoint is saved.
+    const BEFORE_CHECKPOINT: usize = 2;
+    let path = folder.join(layout::RECORDS);
+    let recorded = match std::fs::read_to_string(&path) {
+        Ok(text) => text.lines().count(),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => 0,
+        Err(source) => return Err(HarnessError::Io { path, action: "read this file", source }),
+    };
+    if recorded > BEFORE_CHECKPOINT {
+        let reason = format!(
+            "is missing, though {recorded} evaluations are recorded; delete this run's folder to train it anew"
+        );
+        return Err(HarnessError::Damaged { path: folder.join(checkpoint::CHECKPOINT), reason });
+    }
+    Ok(())
+}
+
+/// Whether libtorch refused something to the student, or to a teacher that asked it or has networks of its own. Shapes
+/// were checked before, so the machine is to blame: there is no memory, or a device went away.
+fn is_libtorch(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::Student(AgentError::Torch(_))
+            | RunError::Teacher(CurriculumError::Student(AgentError::Torch(_)))
+    )
+}
+
+fn machine(run: &RunKey, error: RunError) -> HarnessError {
+    HarnessError::Machine { run: run.clone(), source: error.into() }
+}
+
+/// Takes the run's folder. A worker whose sweep was killed still saves its checkpoint: wait for it a little.
+fn take_lock(folder: &Path) -> Result<Lock, HarnessError> {
+    let begun = Instant::now();
+    loop {
+        match Lock::take(folder) {
+            Err(HarnessError::Locked { .. }) if begun.elapsed() < LOCK_PATIENCE => {
+                std::thread::sleep(LOCK_PAUSE)
+            }
+            result => return result,
+        }
+    }
+}
+
+/// A flag that SIGTERM and SIGINT set.
+fn stop_flag() -> std::io::Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
+        signal_hook::flag::register(signal, Arc::clone(&flag))?;
+    }
+    Ok(flag)
+}

@@ -1,0 +1,120 @@
+//! The two observers of a worker's run: one records it, one tells the parent.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use reports::schema::{Outcome, Record, Teaching};
+
+use crate::run::checkpoint::{self, Checkpoint, REPLAY};
+use crate::run::folder::{Extent, Recorder};
+use crate::run::observer::{Checkpointer, Observer, Stage, Wish};
+use crate::run::train::TrainerState;
+use crate::sweep::event::Event;
+
+/// At most one [`Event::Step`] in this time.
+const STEP_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Records, and saves a checkpoint after every evaluation and before stopping.
+pub(super) struct Recording {
+    folder: PathBuf,
+    replay: PathBuf,
+    hash: String,
+    recorder: Recorder,
+    stop: Arc<AtomicBool>,
+}
+
+impl Recording {
+    /// Goes on after `progress` with the run with manifest hash `hash` in `folder`, until `stop` is set.
+    pub(super) fn open(
+        folder: &Path,
+        hash: &str,
+        progress: &Extent,
+        tensorboard: bool,
+        stop: Arc<AtomicBool>,
+    ) -> std::io::Result<Self> {
+        Ok(Self {
+            folder: folder.to_owned(),
+            replay: folder.join(REPLAY),
+            hash: hash.to_owned(),
+            recorder: Recorder::open(folder, progress, tensorboard)?,
+            stop,
+        })
+    }
+
+    /// Records how the run ended.
+    pub(super) fn end(self, outcome: &Outcome) -> std::io::Result<()> {
+        self.recorder.end(&self.hash, outcome)
+    }
+}
+
+impl Observer for Recording {
+    fn spent(&mut self, stage: Stage, time: Duration) {
+        self.recorder.spent(stage, time);
+    }
+
+    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
+        self.recorder.record(record, teaching)
+    }
+
+    fn checkpointer(&mut self) -> Option<&mut dyn Checkpointer> {
+        Some(self)
+    }
+}
+
+impl Checkpointer for Recording {
+    fn wish(&mut self, evaluated: bool) -> Wish {
+        match (self.stop.load(Ordering::Relaxed), evaluated) {
+            (true, _) => Wish::SaveAndStop,
+            (false, true) => Wish::Save,
+            (false, false) => Wish::GoOn,
+        }
+    }
+
+    fn replay_folder(&self) -> &Path {
+        &self.replay
+    }
+
+    fn save(&mut self, trainer: TrainerState) -> std::io::Result<()> {
+        let progress = self.recorder.extent()?;
+        let checkpoint = Checkpoint { run: self.hash.clone(), trainer, progress };
+        checkpoint::write(&self.folder, &checkpoint).map_err(std::io::Error::other)
+    }
+}
+
+/// Tells the parent. One that is gone has closed the pipe: then it is time to save and stop.
+pub(super) struct Telling {
+    last_step: Instant,
+    stop: Arc<AtomicBool>,
+}
+
+impl Telling {
+    pub(super) fn new(stop: Arc<AtomicBool>) -> Self {
+        Self { last_step: Instant::now(), stop }
+    }
+
+    pub(super) fn tell(&self, event: &Event) -> std::io::Result<()> {
+        match event.send() {
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+                self.stop.store(true, Ordering::Relaxed);
+                Ok(())
+            }
+            result => result,
+        }
+    }
+}
+
+impl Observer for Telling {
+    fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
+        self.tell(&Event::Evaluated { step: record.step, success_rate: record.success_rate })
+    }
+
+    fn cycle(&mut self, step: u64) -> std::io::Result<()> {
+        if self.last_step.elapsed() < STEP_INTERVAL {
+            return Ok(());
+        }
+        self.last_step = Instant::now();
+        self.tell(&Event::Step { step })
+    }
+}
