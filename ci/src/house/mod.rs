@@ -8,6 +8,7 @@ mod comments;
 mod finding;
 mod glossary;
 mod length;
+mod links;
 mod nouns;
 mod sources;
 mod top;
@@ -39,8 +40,8 @@ const TOP: [&str; 11] = [
 /// A rule that some crates do not keep yet, with the folders of these crates.
 type Unfinished = (&'static str, &'static [&'static str]);
 
-/// To whoever merges the rebuilt crates: take each folder out as soon as its crate is clean. A rule without any
-/// folder needs no row.
+/// To whoever merges the rebuilt crates: take each folder out as soon as its crate is clean. A rule without
+/// any folder needs no row.
 const UNFINISHED: [Unfinished; 4] = [
     (length::RULE, &[]),
     (comments::RULE, &["curricula", "envs", "harness", "reports"]),
@@ -101,6 +102,11 @@ fn every_public_trait_is_in_the_glossary() {
     let glossary = Glossary::read(glossary::FILE, &read(glossary::FILE));
     let nouns: Vec<_> = sources(&project()).iter().flat_map(nouns::public).collect();
     assert_none(glossary.missing_traits(&nouns));
+}
+
+#[test]
+fn links_lead_somewhere() {
+    assert_none(links::broken(&project()));
 }
 
 #[test]
