@@ -12,7 +12,7 @@ use agents::Seal;
 use serde::{Deserialize, Serialize};
 
 use super::folder::{Progress, new_file};
-use super::train::TrainerState;
+use super::state::TrainerState;
 
 /// Name of the checkpoint file in a run's folder.
 pub const CHECKPOINT: &str = "checkpoint.bin";

@@ -25,7 +25,8 @@ pub(super) struct Args {
     /// Baseline file, as written by `goalbench regress record`
     #[arg(long, value_name = "FILE")]
     baseline: PathBuf,
-    /// Seeds instead of those that the baseline names; others than it recorded are compared by statistics alone
+    /// Seeds instead of those that the baseline names; others than it recorded are compared by statistics
+    /// alone
     #[arg(long, value_name = "SEEDS")]
     seeds: Option<String>,
     /// Only these of the baseline's environments
@@ -110,7 +111,8 @@ fn keep(
     Ok((!left.is_empty()).then(|| format!("left out by {option}: {}", left.join(", "))))
 }
 
-/// How this machine differs from the one that recorded, in a line each: with any of them curves need not be identical.
+/// How this machine differs from the one that recorded, in a line each: with any of them curves need not be
+/// identical.
 fn foreign(baseline: &Baseline) -> Vec<String> {
     let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {

@@ -9,7 +9,7 @@ use reports::schema::Crash;
 use reports::store::layout;
 
 use super::complaints::{self, Listener};
-use super::{Conduct, THIS_PROGRAM};
+use super::conduct::{Conduct, THIS_PROGRAM};
 use crate::run::folder::State;
 use crate::sweep::event::Event;
 use crate::sweep::job::{Ending, Job};
