@@ -1,7 +1,8 @@
 //! What a user can run into, worded for them.
 //!
-//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error says its own part
-//! alone: what caused it is its [`source`](std::error::Error::source), and [`chain`] puts both together for people.
+//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error says
+//! its own part alone: what caused it is its [`source`](std::error::Error::source), and [`chain`] puts both
+//! together for people.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -166,7 +167,8 @@ pub enum HarnessError {
 }
 
 impl HarnessError {
-    /// Whether the same input may go well another time: the machine failed, or its disk. Damaged data stays damaged.
+    /// Whether the same input may go well another time: the machine failed, or its disk. Damaged data stays
+    /// damaged.
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
@@ -216,8 +218,8 @@ impl From<GateError> for HarnessError {
     }
 }
 
-/// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`. A cause whose
-/// first line the text ends with already is not repeated.
+/// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`.
+/// A cause whose first line the text ends with already is not repeated.
 pub fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

@@ -8,14 +8,15 @@ use rayon::prelude::*;
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
+use crate::run::error::RunError;
 use crate::run::observer::{Observer, Stage};
-use crate::run::train::{RunError, Trainer};
+use crate::run::train::Trainer;
 
-/// Cycles that are taken; the first warms up and does not count.
+/// Cycles that are measured; the first warms up and does not count.
 const CYCLES: u64 = 3;
-/// Gradient steps per cycle that are taken, at most; their time is scaled to the config's number.
+/// Most gradient steps of a measured cycle; their time is scaled to the config's number.
 const UPDATES: usize = 8;
-/// Episodes per evaluation that are taken.
+/// Episodes of a measured evaluation.
 const EPISODES: u64 = 2;
 
 /// What a run takes, on one core.
@@ -35,8 +36,8 @@ impl Speed {
     }
 }
 
-/// Which runs are as fast as each other: those of one environment, curriculum and student. A curriculum's own options
-/// hardly change what it costs.
+/// Which runs are as fast as each other: those of one environment, curriculum and student. A curriculum's own
+/// options hardly change what it costs.
 type Kind = (String, String, String);
 
 fn kind(run: &PlannedRun) -> Kind {
@@ -146,7 +147,8 @@ mod tests {
     #[test]
     fn a_run_costs_its_steps_and_its_evaluations() {
         let speed = Speed { per_step: 0.001, per_episode: 0.1 };
-        // 1000 steps: 1 s. Evaluated at 0, 300, 600, 900 and at the end, 20 episodes each: 5 · 20 · 0.1 = 10 s.
+        // 1000 steps: 1 s. Evaluated at 0, 300, 600, 900 and at the end, 20 episodes each: 5 · 20 · 0.1 = 10
+        // s.
         assert!((speed.of_run(1000, 300, 20) - 11.0).abs() < 1e-12);
         // The last evaluation falls on the end: 0, 500, 1000.
         assert!((speed.of_run(1000, 500, 20) - 7.0).abs() < 1e-12);

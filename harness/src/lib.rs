@@ -1,7 +1,8 @@
 //! The benchmark harness: protocol → plan → runs → records, and the command line.
 //!
-//! Data flows one way. A [`protocol`] becomes a [`protocol::plan::Plan`]; a [`sweep`] carries out its runs in worker
-//! processes; each [`run`] writes its own folder; `goalbench report` reads those folders and nothing else.
+//! Data flows one way. A [`protocol`] becomes a [`protocol::plan::Plan`]; a [`sweep`] carries out its runs in
+//! worker processes; each [`run`] writes its own folder; `goalbench report` reads those folders and nothing
+//! else.
 //!
 //! A program of one's own with further curricula is three lines: see [`Registry`].
 

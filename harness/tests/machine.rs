@@ -1,4 +1,5 @@
-//! Machines that run out of something: the sweep says what, keeps what it has, and goes on later to the same bytes.
+//! Machines that run out of something: the sweep says what, keeps what it has, and goes on later to the same
+//! bytes.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "says that it was skipped")]
@@ -12,7 +13,8 @@ use std::process::{Command, Output};
 use reports::store::layout;
 use support::{stderr, stdout, toy};
 
-/// Runs `script` in a shell in which mounting is allowed, with `$goalbench` and `$dir` set; `None` where the system forbids it.
+/// Runs `script` in a shell in which mounting is allowed, with `$goalbench` and `$dir` set; `None` where the
+/// system forbids it.
 fn with_mounts(dir: &Path, script: &str) -> Option<Output> {
     let shell = |script: &str| {
         let mut command = Command::new("unshare");
@@ -87,7 +89,8 @@ fn a_run_that_needs_more_memory_than_there_is_fails_alone() {
         [[variant]]\nlabel = 'large'\nset = { student.width = 4096, student.layers = 3 }\n\
         [[variant]]\nlabel = 'small'\nset = { student.width = 16 }\n";
     fs::write(&protocol, text).expect("the test folder can be written");
-    // A worker's address space without its networks is about 0.7 GB; the large one's three stacks take 2 GB more.
+    // A worker's address space without its networks is about 0.7 GB; the large one's three stacks take 2 GB
+    // more.
     let script =
         "ulimit -v 1500000; exec \"$goalbench\" run \"$dir/protocol.toml\" --out \"$dir/results\" --jobs 1";
     let output = Command::new("sh")

@@ -14,7 +14,8 @@ use reports::store::{Results, layout};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, toy, toy_args};
 
-/// Long enough to be killed in: about three seconds. Both teachers have much to remember; SPaCE's set has grown before long.
+/// Long enough to be killed in: about three seconds. Both teachers have much to remember; SPaCE's set has
+/// grown before long.
 const LONGER: [&str; 12] = [
     "--curriculum",
     "teach,space",
@@ -107,7 +108,8 @@ fn kills_of_workers_and_parents_at_any_moment_change_no_byte() {
         let before = recorded();
         let mut parent = start(&args);
         std::thread::sleep(moment);
-        // In every other round, kill in the moment in which an evaluation is recorded and its checkpoint begun.
+        // In every other round, kill in the moment in which an evaluation is recorded and its checkpoint
+        // begun.
         let begun = Instant::now();
         while round % 2 == 1 && recorded() <= before && begun.elapsed() < Duration::from_secs(5) {
             std::thread::sleep(Duration::from_micros(200));

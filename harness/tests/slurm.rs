@@ -66,7 +66,8 @@ fn a_cancelled_and_resubmitted_array_ends_with_the_bytes_of_a_local_run() {
     wait("the cancelled job", queue_is_empty);
     assert!(unfinished(&cluster) > 0, "it was cancelled half-way");
 
-    // A second time half-way: a task's process dies without warning, as on a node that goes down, and Slurm requeues the task.
+    // A second time half-way: a task's process dies without warning, as on a node that goes down, and Slurm
+    // requeues the task.
     let records = cluster.join("runs/Point/teach/default/seed-0").join(layout::RECORDS);
     let length = |path: &Path| fs::metadata(path).map_or(0, |file| file.len());
     let before = length(&records);

@@ -1,20 +1,21 @@
 //! The command line: a file or folder per command, one row each in [`Command`].
 //!
-//! A command reads its flags, calls the library, prints to standard output, and says how it ended: an [`ExitCode`], or a
-//! [`HarnessError`], which is printed with its causes and makes the exit code 2.
+//! A command reads its flags, calls the library, prints to standard output, and says how it ended: an
+//! [`ExitCode`], or a [`HarnessError`], which is printed with its causes and makes the exit code 2.
 //!
 //! # How to add a flag
 //!
-//! 1. Add a field to the `Args` of the command, as in `cli/run/mod.rs`. Its doc comment is the help text, whose first line
-//!    is all that `-h` shows. Say the unit, and end with `[default: ...]` where clap cannot know the default, or with
-//!    `[repeatable]`.
-//! 2. Let clap refuse what it can: `value_parser` for ranges, `conflicts_with` and `requires` for combinations. For
-//!    everything else return [`HarnessError::Argument`] with the flag's name and what is accepted.
-//! 3. A flag that other commands have as well goes into a struct of `cli/flags.rs` with `#[command(flatten)]`, so that it
-//!    is called, explained and read in one way.
-//! 4. Hand the value on as a field of the library's own type (`Conduct`, `Preparation`, `slurm::Request`): nothing below
-//!    the command line knows of flags. A flag that is short for a config field, as `--steps` is, becomes a
-//!    [`Layer`](crate::config::layer::Layer) instead.
+//! 1. Add a field to the `Args` of the command, as in `cli/run/mod.rs`. Its doc comment is the help text,
+//!    whose first line is all that `-h` shows. Say the unit, and end with `[default: ...]` where clap cannot
+//!    know the default, or with `[repeatable]`.
+//! 2. Let clap refuse what it can: `value_parser` for ranges, `conflicts_with` and `requires` for
+//!    combinations. For everything else return [`HarnessError::Argument`] with the flag's name and what is
+//!    accepted.
+//! 3. A flag that other commands have as well goes into a struct of `cli/flags.rs` with
+//!    `#[command(flatten)]`, so that it is called, explained and read in one way.
+//! 4. Hand the value on as a field of the library's own type (`Conduct`, `Preparation`, `slurm::Request`):
+//!    nothing below the command line knows of flags. A flag that is short for a config field, as `--steps`
+//!    is, becomes a [`Layer`](crate::config::layer::Layer) instead.
 //! 5. Add a wrong value to `harness/tests/wrong_input.rs` and the flag to the page that tells of its command
 //!    (`harness/docs/`).
 

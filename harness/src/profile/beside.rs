@@ -19,13 +19,13 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Speed of all together over that of one alone, round by round: the two of a round met the machine at nearly the same
-    /// time.
+    /// Speed of all together over that of one alone, round by round. Both of a round are measured within
+    /// moments, so that other work on the machine slows them alike.
     fn gains(&self) -> Vec<f64> {
         self.together.iter().zip(&self.alone).map(|(together, alone)| together / alone).collect()
     }
 
-    /// The median of the rounds' gains: a moment in which the machine had other work spoils one round only.
+    /// The median of the rounds' gains, which a single disturbed round does not spoil.
     pub fn gain(&self) -> f64 {
         reports::stats::median(&self.gains()).expect("at least one round")
     }
@@ -57,11 +57,12 @@ impl Beside {
     }
 }
 
-/// Starts this program with `arguments`, which must print a profile as JSON: alone, then `runs` times at once, for several
-/// `rounds` in turn, so that both meet the same machine.
+/// Starts this program with `arguments`, which must make it print a profile as JSON: alone, then `runs` times
+/// at once, and so on for `rounds` rounds.
 ///
 /// # Errors
-/// [`HarnessError::System`] if a process cannot be started, [`HarnessError::Run`] if one fails: it has told why.
+/// [`HarnessError::System`] if a process cannot be started, [`HarnessError::Run`] if one fails: it has told
+/// why.
 pub fn beside(arguments: &[String], runs: u16, rounds: u16) -> Result<Beside, HarnessError> {
     let mut found = Beside { runs, alone: Vec::new(), together: Vec::new() };
     for _ in 0..rounds {
@@ -79,7 +80,7 @@ fn at_once(arguments: &[String], runs: u16) -> Result<f64, HarnessError> {
         command.args(arguments).stdout(Stdio::piped()).spawn()
     };
     let started: Vec<_> = (0..runs).map(start).collect();
-    // All are waited for, whatever becomes of the others.
+    // Wait for all of them even if one fails.
     let ended: Vec<_> = started.into_iter().map(|child| child?.wait_with_output()).collect();
     let mut sum = 0.0;
     for output in ended {

@@ -94,7 +94,8 @@ impl Costs {
         1.0 / (self.total() * self.limit())
     }
 
-    /// Gradient steps as a multiple of their bare products, drawing of batches apart or included.
+    /// Time of the gradient steps as a multiple of their bare products, with or without the drawing of
+    /// batches.
     fn over_products(&self, sampling: bool) -> f64 {
         let drawing = if sampling { self.sampling } else { 0.0 };
         (self.products + self.beside_products + drawing) / self.products

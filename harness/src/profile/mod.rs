@@ -1,8 +1,8 @@
 //! Where a run's time goes: a short training, watched part by part.
 //!
 //! The training loop is the one of every run, which tells its observer the time of each
-//! [`Stage`](crate::run::observer::Stage). Only the matrix products cannot be told apart from inside; they are run alone
-//! after every cycle ([`Products`]), as many as the cycle had.
+//! [`Stage`](crate::run::observer::Stage). Only the matrix products cannot be told apart from inside; they
+//! are run alone after every cycle ([`Products`]), as many as the cycle had.
 
 pub mod beside;
 mod costs;
@@ -16,14 +16,17 @@ pub use costs::{Cost, Costs, Memory, RunProfile, Size};
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
-use crate::run::train::{RunError, Trainer};
+use crate::run::error::RunError;
+use crate::run::train::Trainer;
 use watch::Watch;
 
-/// Trains `run` for `cycles` cycles, whatever its budget, and tells where the time went. One evaluation and one checkpoint
-/// at the end stand for those of the whole run, which come once every `evaluation.every` steps.
+/// Trains `run` for `cycles` cycles, whatever its budget, and tells where the time went. One evaluation and
+/// one checkpoint at the end stand for those of the whole run, which come once every `evaluation.every`
+/// steps.
 ///
 /// # Errors
-/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary folder can be had.
+/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary folder can
+/// be had.
 ///
 /// # Panics
 /// If `registry` lacks the run's environment or curriculum: plans only hold known ones.

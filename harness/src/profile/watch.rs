@@ -10,9 +10,10 @@ use super::costs::{Costs, Size};
 use crate::run::checkpoint::{self, Checkpoint};
 use crate::run::folder::Extent;
 use crate::run::observer::{Checkpointer, Observer, Stage, StageTimes, Wish};
-use crate::run::train::TrainerState;
+use crate::run::state::TrainerState;
 
-/// Adds up what the loop tells, runs the bare products after every cycle, and saves one checkpoint at the end.
+/// Adds up what the loop tells, runs the bare products after every cycle, and saves one checkpoint at the
+/// end.
 pub(super) struct Watch<'a> {
     folder: &'a Path,
     products: Products,
@@ -22,7 +23,7 @@ pub(super) struct Watch<'a> {
     bare_products: Duration,
     /// All of the cycles, without evaluations and checkpoint.
     training: Duration,
-    /// When the running cycle began, moved on by the evaluation that followed it.
+    /// When the running cycle began, later by the time of an evaluation that followed it.
     begun: Instant,
 }
 

@@ -5,8 +5,6 @@
 pub mod plan;
 pub mod presets;
 
-use std::path::Path;
-
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -84,7 +82,8 @@ struct Header {
     overrides: Vec<WrittenPatch>,
     #[serde(default, rename = "variant")]
     variants: Vec<WrittenVariant>,
-    // Config sections, so that a mistyped one is told what is accepted; their contents are checked with the runs.
+    // Config sections stand here so that a mistyped one is answered with the accepted names. Their contents
+    // are checked when the runs are planned.
     #[serde(default, rename = "budget")]
     _budget: Table,
     #[serde(default, rename = "evaluation")]
@@ -131,76 +130,34 @@ struct WrittenVariant {
 }
 
 impl Protocol {
-    /// Reads a protocol file.
-    ///
-    /// # Errors
-    /// [`HarnessError`] naming the file and line.
-    pub fn read(path: &Path, registry: &Registry) -> Result<Self, HarnessError> {
-        let text = std::fs::read_to_string(path).map_err(HarnessError::io(path, "read this protocol"))?;
-        Self::parse(&path.display().to_string(), &text, registry)
-    }
-
     /// Parses a protocol; `name` is what errors call the document.
     ///
     /// # Errors
     /// [`HarnessError`] naming the document and line.
     pub fn parse(name: &str, text: &str, registry: &Registry) -> Result<Self, HarnessError> {
         let (document, table) = Document::parse(name, text)?;
-        let header: Header = strict::read(table.clone(), "").map_err(|FieldError { path, reason }| {
-            let place =
-                document.place(&path.replace('[', ".").replace(']', "").split('.').collect::<Vec<_>>());
-            if path.is_empty() {
-                HarnessError::Protocol { place, reason }
-            } else {
-                HarnessError::Config { place, path, reason }
-            }
-        })?;
-        let at = |path: &[&str]| format!("{}: ", document.place(path));
-        let seeds_error =
-            |reason| HarnessError::Config { place: document.place(&["seeds"]), path: "seeds".into(), reason };
-        let layer = |prefix: Vec<String>, table: Table| Layer {
-            origin: Origin::Document(document.clone(), prefix),
-            table,
-        };
-
-        let patch = |written: WrittenPatch, kind: &str, index: usize| -> Result<Patch, HarnessError> {
-            let place = at(&[kind, &index.to_string()]);
-            Ok(Patch {
-                environments: registry.expand_environments(&written.environments, &place)?,
-                curricula: registry.expand_curricula(&written.curricula, &place)?,
-                layer: layer(vec![kind.to_owned(), index.to_string(), "set".to_owned()], written.set),
-            })
-        };
+        let reader = Reader { document, registry };
+        let header = reader.header(table.clone())?;
+        let wrong_seeds = |reason| reader.config_error("seeds", reason);
         let mut overrides = Vec::new();
         for (index, written) in header.overrides.into_iter().enumerate() {
-            overrides.push(patch(written, "override", index)?);
+            overrides.push(reader.patch(written, "override", index)?);
         }
-        let mut variants: Vec<Variant> = Vec::new();
-        for (index, written) in header.variants.into_iter().enumerate() {
-            let WrittenVariant { label, environments, curricula, set } = written;
-            let place = || document.place(&["variant", &index.to_string()]);
-            check_label(&label).map_err(|reason| HarnessError::Protocol { place: place(), reason })?;
-            if variants.iter().any(|other| other.label == label) {
-                let reason = format!("there are two variants `{label}`");
-                return Err(HarnessError::Protocol { place: place(), reason });
-            }
-            let patch = patch(WrittenPatch { environments, curricula, set }, "variant", index)?;
-            variants.push(Variant { label, patch });
-        }
-        check_name(&header.name)
-            .map_err(|reason| HarnessError::Protocol { place: document.place(&["name"]), reason })?;
+        let variants = reader.variants(header.variants)?;
+        check_name(&header.name).map_err(|reason| reader.error(&["name"], reason))?;
         let base = table.into_iter().filter(|(key, _)| SECTIONS.contains(&key.as_str())).collect();
+        let at = |key| reader.prefix(&[key]);
         let protocol = Self {
             name: header.name,
             description: header.description,
-            environments: registry.expand_environments(&header.environments, &at(&["environments"]))?,
-            curricula: registry.expand_curricula(&header.curricula, &at(&["curricula"]))?,
+            environments: registry.expand_environments(&header.environments, &at("environments"))?,
+            curricula: registry.expand_curricula(&header.curricula, &at("curricula"))?,
             seeds: match header.seeds {
                 Seeds::List(list) => seeds::unique(&list).map(|()| list),
                 Seeds::Text(text) => seeds::parse(&text),
             }
-            .map_err(seeds_error)?,
-            base: layer(vec![], base),
+            .map_err(wrong_seeds)?,
+            base: reader.layer(vec![], base),
             overrides,
             variants,
             options: Vec::new(),
@@ -211,8 +168,7 @@ impl Protocol {
             ("seeds", protocol.seeds.is_empty()),
         ] {
             if empty {
-                let reason = format!("`{key}` is empty; name at least one");
-                return Err(HarnessError::Protocol { place: document.place(&[key]), reason });
+                return Err(reader.error(&[key], format!("`{key}` is empty; name at least one")));
             }
         }
         Ok(protocol)
@@ -248,6 +204,67 @@ impl Protocol {
     pub fn set_steps(&mut self, steps: u64) {
         let value = Value::Integer(i64::try_from(steps).unwrap_or(i64::MAX));
         self.set(Layer::from_option(format!("--steps {steps}"), &["budget", "steps"], value));
+    }
+}
+
+/// Reads the parts of a protocol document; its errors name the line.
+struct Reader<'a> {
+    document: Document,
+    registry: &'a Registry,
+}
+
+impl Reader<'_> {
+    /// An error at the value with the keys `path`.
+    fn error(&self, path: &[&str], reason: String) -> HarnessError {
+        HarnessError::Protocol { place: self.document.place(path), reason }
+    }
+
+    /// An error of the field `path`, as in `variant[0].set`.
+    fn config_error(&self, path: &str, reason: String) -> HarnessError {
+        let keys = path.replace('[', ".").replace(']', "");
+        let place = self.document.place(&keys.split('.').collect::<Vec<_>>());
+        HarnessError::Config { place, path: path.to_owned(), reason }
+    }
+
+    /// What errors about a name at `path` begin with.
+    fn prefix(&self, path: &[&str]) -> String {
+        format!("{}: ", self.document.place(path))
+    }
+
+    fn header(&self, table: Table) -> Result<Header, HarnessError> {
+        strict::read(table, "").map_err(|FieldError { path, reason }| {
+            if path.is_empty() { self.error(&[""], reason) } else { self.config_error(&path, reason) }
+        })
+    }
+
+    fn layer(&self, prefix: Vec<String>, table: Table) -> Layer {
+        Layer { origin: Origin::Document(self.document.clone(), prefix), table }
+    }
+
+    /// The patch `index` of those under the key `kind`.
+    fn patch(&self, written: WrittenPatch, kind: &str, index: usize) -> Result<Patch, HarnessError> {
+        let index = index.to_string();
+        let place = self.prefix(&[kind, &index]);
+        Ok(Patch {
+            environments: self.registry.expand_environments(&written.environments, &place)?,
+            curricula: self.registry.expand_curricula(&written.curricula, &place)?,
+            layer: self.layer(vec![kind.to_owned(), index, "set".to_owned()], written.set),
+        })
+    }
+
+    fn variants(&self, written: Vec<WrittenVariant>) -> Result<Vec<Variant>, HarnessError> {
+        let mut variants: Vec<Variant> = Vec::new();
+        for (index, written) in written.into_iter().enumerate() {
+            let WrittenVariant { label, environments, curricula, set } = written;
+            let wrong = |reason| self.error(&["variant", &index.to_string()], reason);
+            check_label(&label).map_err(wrong)?;
+            if variants.iter().any(|other| other.label == label) {
+                return Err(wrong(format!("there are two variants `{label}`")));
+            }
+            let patch = self.patch(WrittenPatch { environments, curricula, set }, "variant", index)?;
+            variants.push(Variant { label, patch });
+        }
+        Ok(variants)
     }
 }
 

@@ -63,8 +63,8 @@ impl Plan {
     }
 }
 
-/// Resolves every override and variant once, whether or not it applies to a planned run: a mistyped key in a patch that is
-/// narrowed away must not wait for the day when it applies.
+/// Resolves every override and variant once, also those that apply to no planned run: a mistyped key in one
+/// of them is told now, not on the day when it first applies.
 fn check_patches(protocol: &Protocol, registry: &Registry) -> Result<(), HarnessError> {
     let variants = protocol.variants.iter().map(|variant| &variant.patch);
     for patch in protocol.overrides.iter().chain(variants) {

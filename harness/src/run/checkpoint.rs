@@ -13,7 +13,7 @@ pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
 use super::folder::{Extent, new_file};
-use super::train::TrainerState;
+use super::state::TrainerState;
 
 const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
 

@@ -5,13 +5,14 @@ use envs::rng::Rng;
 use envs::{GoalEnv, Goals, Rows};
 use rand::Rng as _;
 
-use super::train::RunError;
+use super::error::RunError;
 
 /// Episodes that are played in lockstep, at most: the policy then answers for all of them at once.
 ///
-/// Every environment allows it. Twenty instances of a maze take 0.1 MB and 0.04 ms, of a Hand task 3 MB and 5 ms, of a Fetch
-/// task 4 MB (its set-up is simulated once per process); their steps take as long as those of one instance.
-/// Asking for one action at a time costs 15 µs per step on the CPU; on a GPU every call waits for the device.
+/// Twenty instances cost little: 0.1 MB and 0.04 ms to make for a maze, 3 MB and 5 ms for a Hand task, 4 MB
+/// for a Fetch task (whose set-up is simulated once per process), and their steps are as fast as those of one
+/// instance. Asking for one action at a time would cost 15 µs per step on the CPU, and on a GPU every call
+/// waits for the device.
 pub const LOCKSTEP: u64 = 20;
 
 /// What an evaluation found.
@@ -67,11 +68,13 @@ pub fn evaluate(
     Ok(tally(envs, student, pool, episodes, rng, &mut |_| {})?.score())
 }
 
-/// Runs `episodes` greedy episodes with starts from the environment's own distribution and goals from there, too, or evenly from
-/// `pool` if there is one, all drawn from `rng` and its key alone, one after the other. As many episodes as there are instances in `envs` are played in lockstep; `played` then hears how many.
+/// Plays `episodes` greedy episodes and counts their successes. Starts come from the environment's own
+/// distribution; goals do as well, or are drawn evenly from `pool` if there is one. All are drawn from `rng`,
+/// episode by episode. As many episodes as `envs` has instances are played in lockstep, and `played` is told
+/// how many after each such group.
 ///
-/// The number of instances changes neither starts nor goals; it changes actions by rounding alone, because a product of
-/// several rows may add up in another order than one of a single row.
+/// The number of instances changes neither starts nor goals. It may change actions in their last digits: a
+/// matrix product of several rows adds up in another order than one of a single row.
 ///
 /// # Errors
 /// [`RunError`] if physics or student break down.
@@ -88,7 +91,7 @@ pub fn tally(
 ) -> Result<Tally, RunError> {
     assert!(!envs.is_empty(), "an evaluation needs an environment");
     let mut tally = Tally::default();
-    // The same key, but draws of its own: starts are the same wherever goals come from.
+    // Picks have a stream of their own, so that starts do not depend on where goals come from.
     let mut picks = rng.clone();
     picks.set_stream(1);
     while tally.episodes < episodes {
@@ -180,8 +183,8 @@ mod tests {
         }
     }
 
-    /// Groups of every size, whole and not. The untrained student passes goals now and then, so that scores tell starts and
-    /// goals apart.
+    /// Groups of every size, whole and not. The untrained student passes goals now and then, so that scores
+    /// tell starts and goals apart.
     #[test]
     fn lockstep_scores_as_one_episode_after_the_other_does() {
         const EPISODES: u64 = 507;

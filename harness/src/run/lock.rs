@@ -32,8 +32,8 @@ impl Lock {
     }
 }
 
-/// Whether some process holds `folder`. Looking takes a shared lock for a moment, so that two processes that look at
-/// the same time do not take each other for a holder.
+/// Whether some process holds `folder`. Looking takes a shared lock for a moment, so that two processes that
+/// look at the same time do not take each other for a holder.
 pub fn is_locked(folder: &Path) -> bool {
     fs::File::open(folder.join(LOCK))
         .is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))

@@ -42,12 +42,12 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, String> {
         .map_err(|error| format!("config.{}: {}", error.path(), error.inner()))
 }
 
-/// The entry of a manifest's versions that names the commit that the program was built from. It is told and not compared:
-/// most commits change no result.
+/// Which of a manifest's versions is the commit that the program was built from. Two builds are never refused
+/// for it alone, since most commits change no result.
 pub const COMMIT: &str = "commit";
 
-/// In what the program that wrote `manifest` differs from this one, a line for each version, commits apart; `None` if in
-/// nothing.
+/// How the program that wrote `manifest` differs from this one: a line for each differing version, commits
+/// left out. `None` if they are alike.
 pub fn other_program(manifest: &Manifest) -> Option<String> {
     let compared = |mut versions: BTreeMap<String, String>| {
         versions.remove(COMMIT);
@@ -57,7 +57,8 @@ pub fn other_program(manifest: &Manifest) -> Option<String> {
     (there != here).then(|| differences(&there, &here))
 }
 
-/// Versions of this program and of the native libraries that it runs on, and its [`COMMIT`] if it was built from one.
+/// Versions of this program and of the native libraries that it runs on, and its [`COMMIT`] if it was built
+/// from one.
 pub fn versions() -> BTreeMap<String, String> {
     let libraries = agents::versions().into_iter().map(|(name, version)| (name.to_owned(), version));
     let mut versions: BTreeMap<String, String> = libraries.collect();
@@ -71,7 +72,7 @@ pub fn versions() -> BTreeMap<String, String> {
     versions
 }
 
-/// The fields in which two configs differ, one per line: `path: old -> new`.
+/// The fields in which two configs differ, one per line: `path: OLD there, NEW now`.
 pub fn differences(old: &Value, new: &Value) -> String {
     let mut lines = Vec::new();
     compare("", old, new, &mut lines);

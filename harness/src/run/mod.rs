@@ -1,6 +1,7 @@
 //! One run: its folder, its training loop, its evaluations.
 
 pub mod checkpoint;
+pub mod error;
 pub mod evaluate;
 pub mod folder;
 pub mod lock;
@@ -8,4 +9,5 @@ pub mod manifest;
 pub mod observer;
 pub mod picks;
 pub mod policy;
+pub mod state;
 pub mod train;

@@ -1,15 +1,16 @@
 //! Who hears of a run while it trains, and who saves it.
 //!
-//! The training loop computes and tells; everything else is an [`Observer`]: recording, telling the parent process, taking
-//! the time. Every method has a default, so that an observer names only what it wants to hear. A list of observers is an
-//! observer, too. Saving checkpoints is a role of its own, [`Checkpointer`], which most observers do not have.
+//! The training loop computes and tells; everything else is an [`Observer`]: recording, telling the parent
+//! process, taking the time. Every method has a default, so that an observer names only what it wants to
+//! hear. A list of observers is an observer, too. Saving checkpoints is a role of its own, [`Checkpointer`],
+//! which most observers do not have.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use reports::schema::{Record, Teaching};
 
-use super::train::TrainerState;
+use super::state::TrainerState;
 
 /// Where a run's time goes. What no stage covers is the bookkeeping of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,5 @@
-//! What can be told of a teacher's choices, whatever its method: recorded at every evaluation beside the teacher's own numbers.
+//! Statistics of a teacher's choices that make sense for every method: recorded at every evaluation beside
+//! the teacher's own numbers.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +7,7 @@ use curricula::{Choice, Rank};
 use reports::schema::Teaching;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the episodes since the last evaluation that their record does not hold.
+/// Sums over the episodes since the last evaluation, of numbers that [`Teaching`] does not hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ranks {
     /// Sum of places relative to their sets, each in [0, 1].
@@ -24,7 +25,8 @@ impl Ranks {
         }
     }
 
-    /// Mean place, from 0 (always the first of the set) to 1 (always the last): 1/2 where all take turns. NaN without a rank.
+    /// Mean place, from 0 (always the first of the set) to 1 (always the last), 1/2 if all are chosen equally
+    /// often. NaN without a rank.
     fn mean(self) -> f64 {
         self.sum / self.count as f64
     }
@@ -40,7 +42,7 @@ pub fn no_episodes() -> Teaching {
     Teaching { picks: Some(Vec::new()), ..Teaching::default() }
 }
 
-/// Adds the choice of an episode's goal, the pool's goal `pick` if it is one, to what is recorded.
+/// Notes how an episode's goal was chosen; `pick` is its index if it is a goal of the pool.
 pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, pick: Option<usize>, choice: Option<Choice>) {
     let narrow = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
     let rank = choice.and_then(|choice| choice.rank);
@@ -56,7 +58,8 @@ pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, pick: Option<usize>, cho
     }
 }
 
-/// Appends an episode's number to a list that is only there for teachers that have such numbers; `before` episodes came without.
+/// Appends an episode's number to a list that exists only for teachers with such numbers. Without a list,
+/// `before` episodes had none.
 fn push<T: Clone>(list: &mut Option<Vec<Option<T>>>, before: usize, value: Option<T>) {
     if value.is_some() || list.is_some() {
         list.get_or_insert_with(|| vec![None; before]).push(value);
@@ -81,8 +84,8 @@ pub fn statistics(teaching: &Teaching, ranks: Ranks) -> [(&'static str, f64); 4]
     ]
 }
 
-/// How many different goals `picks` holds, and exp(entropy) of their shares: how many equally frequent ones would be as hard
-/// to guess. NaN without a pick.
+/// The number of different goals in `picks`, and exp(entropy) of their shares: the number of equally frequent
+/// goals that would be as hard to predict. NaN without a pick.
 fn spread(picks: &[u32]) -> [f64; 2] {
     if picks.is_empty() {
         return [f64::NAN; 2];
@@ -103,7 +106,7 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
         [xx + dx * dx, xy + dx * dy, yy + dy * dy]
     });
     let [xx, xy, yy] = moments;
-    // A side that is constant but for rounding varies with nothing.
+    // A side that varies by no more than rounding counts as constant.
     let flat = |sum: f64, mean: f64| sum <= n * (1e-12 * mean).powi(2);
     if pairs.is_empty() || flat(xx, x) || flat(yy, y) { f64::NAN } else { xy / (xx * yy).sqrt() }
 }

@@ -8,7 +8,7 @@ use reports::schema::{Manifest, RunKey};
 
 use super::checkpoint::{self, CHECKPOINT, CheckpointError};
 use super::folder;
-use super::train::TrainerState;
+use super::state::TrainerState;
 use crate::Registry;
 use crate::config::RunConfig;
 use crate::error::HarnessError;

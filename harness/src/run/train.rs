@@ -1,49 +1,25 @@
-//! The training loop: episodes towards the teacher's goals, learning after each cycle, evaluations in between.
+//! The training loop: episodes towards the teacher's goals, learning after each cycle, evaluations in
+//! between.
 
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use agents::{Agent, AgentError, Episode, Mode};
-use curricula::{Curriculum, CurriculumError, Lesson, Proposal, Setting};
+use curricula::{Curriculum, Lesson, Proposal, Setting};
 use envs::rng::Purpose;
-use envs::{EnvError, GoalEnv, Goals, Rows, draw_pool};
+use envs::{GoalEnv, Goals, Rows, draw_pool};
 use reports::schema::{Record, RunKey, Teaching};
-use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::error::RunError;
 use super::evaluate::{LOCKSTEP, evaluate};
 use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
+use super::state::TrainerState;
 use crate::Registry;
 use crate::config::streams::Streams;
 use crate::config::{EvaluationGoals, RunConfig};
-
-/// Why a run cannot go on.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// The physics.
-    #[error(transparent)]
-    Environment(#[from] EnvError),
-    /// The student.
-    #[error(transparent)]
-    Student(#[from] AgentError),
-    /// The teacher.
-    #[error(transparent)]
-    Teacher(#[from] CurriculumError),
-    /// The teacher asked for a goal that the pool does not hold.
-    #[error("the curriculum proposed pool goal {index}, but the pool holds {size}")]
-    NoSuchGoal {
-        /// What it asked for.
-        index: usize,
-        /// N.
-        size: usize,
-    },
-    /// Recording failed; the run itself is well.
-    #[error("cannot record")]
-    Recording(#[from] std::io::Error),
-}
 
 /// How [`Trainer::run`] came to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,32 +28,6 @@ pub enum End {
     Finished,
     /// The checkpointer wished to stop; a checkpoint is saved.
     Stopped,
-}
-
-/// A run between two cycles, the student's replay log apart. Environments need no state: a reset forgets all.
-#[derive(Serialize, Deserialize)]
-pub struct TrainerState {
-    step: u64,
-    evaluations: u64,
-    streams: Streams,
-    teaching: Teaching,
-    ranks: Ranks,
-    #[serde(with = "serde_bytes")]
-    student: Vec<u8>,
-    #[serde(with = "serde_bytes")]
-    teacher: Vec<u8>,
-}
-
-impl TrainerState {
-    /// The student, as [`Agent::save`] gave it.
-    pub fn student(&self) -> &[u8] {
-        &self.student
-    }
-
-    /// Training steps taken.
-    pub fn step(&self) -> u64 {
-        self.step
-    }
 }
 
 /// A run in progress.
@@ -89,7 +39,7 @@ pub struct Trainer {
     evaluation_envs: Vec<Box<dyn GoalEnv>>,
     agent: Box<dyn Agent>,
     curriculum: Box<dyn Curriculum>,
-    /// The goals that the teacher chooses from, if it is of that kind.
+    /// The goals that the teacher chooses from; empty for teachers without a pool.
     pool: Arc<Goals>,
     /// The goals of evaluations, where they come from a pool.
     evaluation_pool: Option<Arc<Goals>>,
@@ -122,7 +72,7 @@ impl Trainer {
         let method = registry.curriculum(&key.curriculum).expect(known);
         let seeds = config.seed;
         let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
-        // The same for all methods of a seed, whatever they use it for.
+        // All methods of a seed draw the same pool, whether they choose from it or are evaluated on it.
         let drawn = if method.uses_pool || in_evaluations {
             let mut rng = seeds.stream(key.seed, Purpose::Pool);
             Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)
@@ -160,7 +110,8 @@ impl Trainer {
         self.step
     }
 
-    /// Becomes the run that `state` was taken of; going on gives the same bytes as never having stopped.
+    /// Takes up the state of an earlier process. Going on from there gives the same bytes as never having
+    /// stopped.
     ///
     /// # Errors
     /// [`RunError`] if student or teacher refuse their state.
@@ -182,7 +133,7 @@ impl Trainer {
             streams: self.streams.clone(),
             teaching: self.teaching.clone(),
             ranks: self.ranks,
-            // A log that cannot be written says nothing against the run: another attempt may have the space.
+            // A log that cannot be written is no fault of the run: another attempt may find the disk space.
             student: self.agent.save(replay).map_err(|error| match error {
                 AgentError::Log { .. } => RunError::Recording(std::io::Error::other(error)),
                 error => error.into(),
@@ -191,8 +142,8 @@ impl Trainer {
         })
     }
 
-    /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained student is
-    /// evaluated first, the final one last.
+    /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained
+    /// student is evaluated first, the final one last.
     ///
     /// # Errors
     /// [`RunError`] with what broke down.
@@ -216,7 +167,8 @@ impl Trainer {
         Ok(End::Finished)
     }
 
-    /// Lets the observer's checkpointer, if there is one, decide after a cycle, and gives it what it wishes to save.
+    /// Lets the observer's checkpointer, if there is one, decide after a cycle, and gives it what it wishes
+    /// to save.
     fn save_if_wished(&mut self, observer: &mut dyn Observer, evaluated: bool) -> Result<Wish, RunError> {
         let Some(checkpointer) = observer.checkpointer() else { return Ok(Wish::GoOn) };
         let wish = checkpointer.wish(evaluated);
@@ -328,7 +280,8 @@ impl Trainer {
             any_success_rate: Some(score.any_success_rate),
             mean_return: score.mean_return,
             gradient_steps: self.agent.gradient_steps(),
-            // A number that is not finite has no JSON form and becomes null: "not defined yet".
+            // JSON has no form for numbers that are not finite. They become null, which means "not defined
+            // yet".
             teacher: statistics
                 .map(|(name, value)| (name.to_owned(), Value::from(value)))
                 .collect::<Map<_, _>>(),

@@ -1,4 +1,5 @@
-//! What a process tells the one that started it, one JSON line each on its standard output. Standard error is for people.
+//! What a process tells the one that started it, one JSON line each on its standard output. Standard error is
+//! for people.
 
 use std::io::Write;
 

@@ -6,8 +6,8 @@
 pub enum ExitCode {
     /// All is well.
     Success = 0,
-    /// The work was done and something in it failed: a run, a check, the records that a report read. Of a worker: the
-    /// machine failed it, another attempt may go better.
+    /// The work was done and something in it failed: a run, a check, the records that a report read. Of a
+    /// worker: the machine failed it, another attempt may go better.
     Failed = 1,
     /// The input is wrong; nothing was done.
     WrongInput = 2,

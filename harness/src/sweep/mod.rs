@@ -1,11 +1,12 @@
 //! A sweep: all runs of a plan in one results folder.
 //!
-//! It goes through four steps, for whoever asks (`goalbench run`, the regression gate, a task of a job array):
+//! It goes through four steps, for whoever asks (`goalbench run`, the regression gate, a task of a job
+//! array):
 //!
 //! 1. [`Sweep::survey`] compares the plan with what the folder holds and changes nothing.
 //! 2. [`Sweep::prepare`] takes the folder and readies the runs that are still to be done.
-//! 3. [`Prepared::carry_out`] does them in worker processes on this machine, or [`Prepared::submit`] hands them to Slurm,
-//!    whose tasks then carry out [their share](slurm::task).
+//! 3. [`Prepared::carry_out`] does them in worker processes on this machine, or [`Prepared::submit`] hands
+//!    them to Slurm, whose tasks then carry out [their share](Prepared::for_task).
 //! 4. [`Endings`] says how every run came out, and which [`ExitCode`] follows.
 //!
 //! A [worker] is a process with one run. It tells its sweep what happens as [events](event::Event), and a
@@ -88,11 +89,12 @@ impl Sweep {
         local::device::check(self.open())
     }
 
-    /// Takes the results folder and readies its runs. Another process may have worked there since the survey: it looks
-    /// again.
+    /// Takes the results folder and readies its runs. Another process may have worked there since the survey:
+    /// it looks again.
     ///
     /// # Errors
-    /// [`HarnessError::Locked`] if another process has the folder; whatever keeps it from being read or written.
+    /// [`HarnessError::Locked`] if another process has the folder; whatever keeps it from being read or
+    /// written.
     pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
         let lock = Lock::take(&self.results)?;
         for job in &mut self.jobs {
@@ -121,6 +123,15 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// The share of the task `index` of the job array whose list lies at `list`, and how to carry it out.
+    ///
+    /// # Errors
+    /// [`HarnessError`] if the list or a run's folder is not what was submitted.
+    pub fn for_task(list: &Path, index: usize) -> Result<(Self, Conduct), HarnessError> {
+        let slurm::Share { results, jobs, conduct } = slurm::share(list, index)?;
+        Ok((Self { sweep: Sweep { results, jobs }, _lock: None }, conduct))
+    }
+
     /// All runs, in the order in which they are started.
     pub fn jobs(&self) -> &[Job] {
         &self.sweep.jobs
@@ -136,8 +147,8 @@ impl Prepared {
         &self.sweep.results
     }
 
-    /// Which unfinished runs were begun by a build of another commit, in a line each: they go on, to records that may
-    /// differ from those of either build.
+    /// Which unfinished runs were begun by a build of another commit, in a line each: they go on, to records
+    /// that may differ from those of either build.
     ///
     /// # Errors
     /// [`HarnessError`] if a manifest cannot be read.
@@ -155,8 +166,8 @@ impl Prepared {
         Ok(lines)
     }
 
-    /// Carries out all runs that have not ended, on this machine. `reporter` hears of them; SIGINT and SIGTERM call
-    /// `on_stop` once, then let the workers save and stop.
+    /// Carries out all runs that have not ended, on this machine. `reporter` hears of them; SIGINT and
+    /// SIGTERM call `on_stop` once, then let the workers save and stop.
     ///
     /// # Errors
     /// [`HarnessError`] if run folders or threads cannot be made; endings of single runs are no errors.
@@ -176,7 +187,7 @@ impl Prepared {
     /// # Errors
     /// [`HarnessError`] if folders cannot be written or `sbatch` refuses.
     pub fn submit(&self, request: &slurm::Request) -> Result<Option<slurm::Submitted>, HarnessError> {
-        slurm::submit(&self.sweep, request)
+        slurm::submit(self.jobs(), self.results(), request)
     }
 
     /// The endings of those runs that had ended before.

@@ -1,4 +1,5 @@
-//! SIGINT and SIGTERM: the first lets all workers save a checkpoint and stop, the second ends everything at once.
+//! SIGINT and SIGTERM: the first lets all workers save a checkpoint and stop, the second ends everything at
+//! once.
 
 use std::collections::BTreeSet;
 use std::process::Child;
@@ -23,7 +24,7 @@ impl Stopper {
     /// Begins to listen. `on_stop` is called at the first signal.
     ///
     /// # Errors
-    /// If signals cannot be listened for.
+    /// If the system does not let this process handle signals.
     pub fn listen(on_stop: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let stopper = Self { stopping: Arc::default(), workers: Arc::default() };
         let mut signals = Signals::new([SIGINT, SIGTERM])?;
@@ -46,8 +47,8 @@ impl Stopper {
         self.stopping.load(Ordering::SeqCst)
     }
 
-    /// Signals go to `child` until the returned guard is dropped, which must happen before its process id is free again
-    /// for others, that is before or soon after it is waited for.
+    /// Signals go to `child` until the returned guard is dropped. Drop it before or soon after waiting for
+    /// the child: later its process id may belong to somebody else.
     pub fn register(&self, child: &Child) -> Registered<'_> {
         let id = i32::try_from(child.id()).expect("process ids fit");
         self.workers.lock().expect("no holder of this lock panics").insert(id);
@@ -65,7 +66,7 @@ impl Stopper {
     }
 }
 
-/// A worker that is already gone needs no telling.
+/// Signals a worker. One that is already gone needs no signal.
 fn tell(id: i32, signal: Signal) {
     if let Some(pid) = Pid::from_raw(id) {
         let _ = kill_process(pid, signal);

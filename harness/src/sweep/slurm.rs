@@ -1,8 +1,9 @@
 //! Runs as a Slurm job array: one array task per chunk of runs.
 //!
-//! What is submitted is a list of run folders (`RESULTS/slurm/N/tasks.json`) and a script that starts
-//! `goalbench task LIST INDEX`. A task carries out its runs one after the other in worker processes, as `goalbench run` does. On SIGTERM
-//! (preemption, time limit, scancel) workers save a checkpoint; a requeued or resubmitted task goes on from it.
+//! It submits a list of run folders (`RESULTS/slurm/N/tasks.json`) and a script that starts `goalbench task
+//! LIST INDEX`. A task carries out its runs one after the other in worker processes, as `goalbench run` does.
+//! On SIGTERM (preemption, time limit, scancel) workers save a checkpoint; a requeued or resubmitted task
+//! goes on from it.
 
 use std::fs;
 use std::os::unix::fs::DirBuilderExt;
@@ -12,7 +13,7 @@ use std::process::Command;
 use serde::{Deserialize, Serialize};
 
 use super::job::Job;
-use super::{Conduct, Prepared, Sweep};
+use super::local::Conduct;
 use crate::error::HarnessError;
 use crate::run::folder::{self, State, read_json};
 
@@ -31,7 +32,7 @@ pub struct Request {
     pub at_once: Option<u32>,
     /// Runs per task.
     pub chunk: usize,
-    /// Further attempts for a run whose worker crashed.
+    /// How often a run whose worker crashed is begun again from its checkpoint.
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
     pub tensorboard: bool,
@@ -64,16 +65,19 @@ pub struct Submitted {
     pub tasks: usize,
 }
 
-/// Submits all runs of `sweep` that have not ended; `None` if there are none.
+/// Submits all `jobs` that have not ended; `None` if there are none.
 ///
 /// # Errors
 /// [`HarnessError`] if folders cannot be written or `sbatch` refuses.
-pub(super) fn submit(sweep: &Sweep, request: &Request) -> Result<Option<Submitted>, HarnessError> {
-    let open: Vec<&Job> = sweep.open().collect();
+pub(super) fn submit(
+    jobs: &[Job],
+    results: &Path,
+    request: &Request,
+) -> Result<Option<Submitted>, HarnessError> {
+    let open: Vec<&Job> = jobs.iter().filter(|job| job.is_open()).collect();
     if open.is_empty() {
         return Ok(None);
     }
-    let results = &sweep.results;
     let results = fs::canonicalize(results).map_err(HarnessError::io(results, "find this folder"))?;
     for job in open.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
@@ -95,7 +99,8 @@ pub(super) fn submit(sweep: &Sweep, request: &Request) -> Result<Option<Submitte
     let job = match sbatch(&script, &folder, count, request) {
         Ok(job) => job,
         Err(error) => {
-            // Nothing was submitted: leave no trace of a submission. What cannot be removed does no harm.
+            // Nothing was submitted, so leave no trace of a submission. A folder that cannot be removed does
+            // no harm.
             let _ = fs::remove_dir_all(&folder);
             return Err(error);
         }
@@ -111,7 +116,7 @@ fn check_queue(results: &Path) -> Result<(), HarnessError> {
     for entry in entries.flatten() {
         let Ok(id) = fs::read_to_string(entry.path().join(JOB)) else { continue };
         let queue = Command::new("squeue").args(["--noheader", "--jobs", id.trim()]).output();
-        // Slurm forgets old jobs: an unknown one is not in the queue.
+        // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =
             queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.trim_ascii().is_empty());
         if waiting {
@@ -191,11 +196,19 @@ fn refused(reason: String) -> HarnessError {
     HarnessError::Slurm { reason }
 }
 
-/// The runs of one task of the list at `list`, and how to carry them out: one after the other.
+/// The share of one task of a job array.
+pub(super) struct Share {
+    pub(super) results: PathBuf,
+    pub(super) jobs: Vec<Job>,
+    /// One after the other.
+    pub(super) conduct: Conduct,
+}
+
+/// The share of the task `index` of the list at `list`.
 ///
 /// # Errors
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
-pub fn task(list: &Path, index: usize) -> Result<(Prepared, Conduct), HarnessError> {
+pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
     let damaged = |reason: String| HarnessError::Damaged { path: list.to_owned(), reason };
     let Tasks { results, retries, tensorboard, tasks } =
         read_json(list)?.ok_or_else(|| damaged("there is no such file".into()))?;
@@ -204,7 +217,7 @@ pub fn task(list: &Path, index: usize) -> Result<(Prepared, Conduct), HarnessErr
         tasks.get(index).ok_or_else(|| damaged(format!("there is no task {index}, only {count}")))?;
     let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
     let conduct = Conduct { parallel: 1, retries, tensorboard };
-    Ok((Prepared { sweep: Sweep { results, jobs }, _lock: None }, conduct))
+    Ok(Share { results, jobs, conduct })
 }
 
 /// The run that `folder` was prepared for.

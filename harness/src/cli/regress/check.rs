@@ -26,7 +26,8 @@ pub(super) struct Args {
     /// Baseline file, as written by `goalbench regress record`
     #[arg(long, value_name = "FILE")]
     baseline: PathBuf,
-    /// Seeds instead of those that the baseline names; others than it recorded are compared by statistics alone
+    /// Seeds instead of those that the baseline names; others than it recorded are compared by statistics
+    /// alone
     #[arg(long, value_name = "SEEDS")]
     seeds: Option<String>,
     /// Only these of the baseline's environments

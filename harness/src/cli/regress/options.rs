@@ -10,15 +10,15 @@ use crate::error::HarnessError;
 use crate::protocol::plan::Plan;
 use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, reporter};
 
-/// Attempts that a run whose worker crashed is given besides the first.
+/// How often a run whose worker crashed is begun again from its checkpoint.
 const RETRIES: u32 = 1;
 
 /// When a check fails.
 #[derive(clap::Args)]
 #[command(next_help_heading = "When a check fails")]
 pub(super) struct SettingsArgs {
-    /// Highest share of checks of unchanged code that may fail: corrected p-values up to it count [default: 0.02, or
-    /// the baseline's]
+    /// Highest share of checks of unchanged code that may fail: corrected p-values up to it count [default:
+    /// 0.02, or the baseline's]
     #[arg(long, value_name = "P")]
     alpha: Option<f64>,
     /// Smallest fall of a success rate that matters [default: 0.05, or the baseline's]
@@ -85,8 +85,8 @@ impl Results {
 impl RunsArgs {
     /// The runs of `plan`, carried out or found; `None` if a signal stopped them.
     ///
-    /// A finished run is never carried out twice in a results folder, and code that changed leaves no trace there: so checks
-    /// take a new folder, or one that they are told to believe.
+    /// A sweep keeps finished runs, and a results folder does not tell whether the code changed since. So a
+    /// check carries its runs out in a new folder, or takes those of a folder that it is told to trust.
     pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<Results>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {

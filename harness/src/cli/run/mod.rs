@@ -12,7 +12,7 @@ use crate::config::layer::Layer;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
-use crate::sweep::slurm::{self, Request};
+use crate::sweep::slurm::Request;
 use crate::sweep::{Conduct, ExitCode, Preparation, Prepared, Sweep, reporter};
 use summary::summarise;
 
@@ -53,8 +53,8 @@ pub(super) struct Args {
     /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
     #[arg(long)]
     tensorboard: bool,
-    /// Let runs that failed (diverged learning, unstable physics) go on from their last checkpoint, too; on the CPU
-    /// they fail again at the same step unless the program changed
+    /// Let runs that failed (diverged learning, unstable physics) go on from their last checkpoint, too; on
+    /// the CPU they fail again at the same step unless the program changed
     #[arg(long)]
     retry_failed: bool,
     /// Where runs are carried out
@@ -82,7 +82,8 @@ struct SlurmArgs {
     /// Partition of the tasks
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
-    /// Time limit of a task, as in 12:00:00; a run that needs longer goes on when the same command submits it again
+    /// Time limit of a task, as in 12:00:00; a run that needs longer goes on when the same command submits it
+    /// again
     #[arg(long, value_name = "TIME")]
     time: Option<String>,
     /// Memory of a task, as in 2G
@@ -192,7 +193,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
 
 /// `goalbench task`: what a task of the job array does.
 pub(super) fn task(list: &Path, index: usize) -> Exit {
-    let (sweep, conduct) = slurm::task(list, index)?;
+    let (sweep, conduct) = Prepared::for_task(list, index)?;
     let reporter = reporter::lines(sweep.jobs(), conduct.parallel);
     let endings = sweep.carry_out(conduct, reporter.as_ref(), || {})?;
     Ok(summarise(&endings, sweep.results(), false))

@@ -10,12 +10,13 @@ use std::thread::JoinHandle;
 use reports::store::layout;
 use rustix::process::Signal;
 
-/// Bytes that are kept of one worker.
+/// Most bytes that are kept of one worker.
 const MOST: u64 = 1 << 20;
 
-/// Listens to a worker beside its events, or one that complains at length would block on a full pipe.
+/// Reads a worker's standard error on a thread of its own: a worker that says more than a pipe holds would
+/// wait for ever.
 ///
-/// Through a pipe rather than into a file: where the disk is full, a worker can still say so.
+/// It is a pipe and not the log file itself, so that a worker can complain even when the disk is full.
 pub(super) struct Listener(JoinHandle<String>);
 
 impl Listener {
@@ -23,7 +24,7 @@ impl Listener {
     pub(super) fn new(mut complaints: ChildStderr) -> Self {
         Self(std::thread::spawn(move || {
             let mut text = Vec::new();
-            // What cannot be read is not told; the exit status still speaks of the failure.
+            // If reading fails, the exit status still tells of the failure.
             let _ = (&mut complaints).take(MOST).read_to_end(&mut text);
             let _ = std::io::copy(&mut complaints, &mut std::io::sink());
             String::from_utf8_lossy(&text).into_owned()
@@ -48,7 +49,8 @@ pub(super) fn keep(folder: &Path, text: &str) -> std::io::Result<()> {
     OpenOptions::new().create(true).append(true).open(path)?.write_all(text.as_bytes())
 }
 
-/// How a worker ended that could not say so itself: it was killed, or a library ended the process and left a line.
+/// How a worker ended that could not send an event: it was killed, or a library ended the process after a
+/// line of its own.
 pub(super) fn last_words(status: ExitStatus, complaints: &str) -> String {
     if status.signal() == Some(Signal::KILL.as_raw()) {
         return format!("killed from outside, as the system does when memory runs out ({status})");

@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use super::THIS_PROGRAM;
+use super::conduct::THIS_PROGRAM;
 use crate::error::{HarnessError, chain};
 use crate::sweep::event::Event;
 use crate::sweep::exit::ExitCode;
@@ -10,7 +10,8 @@ use crate::sweep::job::Job;
 
 /// Refuses jobs for a device that is not usable here.
 ///
-/// Another process tries it out, because a GPU's driver keeps memory for every process that has asked it anything.
+/// A process of its own tries the device: a GPU's driver holds memory for every process that has ever used
+/// it, and this one may live for days.
 ///
 /// # Errors
 /// [`HarnessError::Argument`] saying what is missing.

@@ -1,6 +1,7 @@
 //! Runs side by side on this machine, each in a worker process.
 
 mod complaints;
+mod conduct;
 pub mod device;
 mod supervise;
 
@@ -11,21 +12,8 @@ use super::reporter::Reporter;
 use super::signals::Stopper;
 use crate::error::HarnessError;
 use crate::run::folder::{self, State};
+pub use conduct::Conduct;
 use supervise::Supervisor;
-
-/// The program that this process was started from, also when another one has been built in its place since.
-const THIS_PROGRAM: &str = "/proc/self/exe";
-
-/// How runs are carried out; nothing of it changes what they record.
-#[derive(Clone, Copy, Debug)]
-pub struct Conduct {
-    /// Runs side by side.
-    pub parallel: usize,
-    /// Further attempts, from its checkpoint, for a run whose worker crashed.
-    pub retries: u32,
-    /// Whether each run keeps a TensorBoard event file.
-    pub tensorboard: bool,
-}
 
 /// Carries out all `jobs` that have not ended, in order. Gives every job's ending.
 ///

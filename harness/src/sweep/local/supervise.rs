@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use reports::store::RunFolder;
 
 use super::complaints::{self, Listener};
-use super::{Conduct, THIS_PROGRAM};
+use super::conduct::{Conduct, THIS_PROGRAM};
 use crate::error::chain;
 use crate::run::folder::State;
 use crate::sweep::event::Event;

@@ -65,7 +65,8 @@ impl Reporter for Bars {
         if let Event::Step { step } | Event::Evaluated { step, .. } = event {
             let step = (*step).min(job.steps());
             if bar.length() == Some(0) {
-                // The first word of a worker: what it brings along from a checkpoint is not this sweep's speed.
+                // A worker's first message. Steps that its checkpoint brings along say nothing of this
+                // sweep's speed.
                 bar.set_length(job.steps());
                 bar.set_position(step);
                 bar.reset_eta();

@@ -31,7 +31,7 @@ struct Tally {
 
 struct Current {
     begun: Instant,
-    /// Step that the worker began from: 0, or that of its checkpoint.
+    /// Step at which the worker began: 0, or that of its checkpoint.
     first: Option<u64>,
     step: u64,
 }
@@ -71,7 +71,7 @@ impl Reporter for Lines {
         let first = *current.first.get_or_insert(*step);
         let Event::Evaluated { step, success_rate } = event else { return };
         let speed = current.taken() as f64 / current.begun.elapsed().as_secs_f64().max(1e-9);
-        // Steps that a checkpoint brought along were not taken by this sweep.
+        // This sweep did not take the steps that a checkpoint brought along.
         state.brought.insert(job.run().clone(), first);
         let done = state.taken_by_ended + state.current.values().map(Current::taken).sum::<u64>();
         let total = self.total_steps.saturating_sub(state.brought.values().sum());

@@ -10,7 +10,7 @@ use std::time::Duration;
 use crate::sweep::event::Event;
 use crate::sweep::job::{Ending, Job};
 
-/// Hears of all runs. Several threads call it.
+/// Shows what happens to the runs of a sweep. Several threads call it.
 pub trait Reporter: Sync {
     /// A run's worker is started.
     fn started(&self, job: &Job);
@@ -18,11 +18,11 @@ pub trait Reporter: Sync {
     fn event(&self, job: &Job, event: &Event);
     /// A run has ended, or had ended before.
     fn ended(&self, job: &Job, ending: &Ending);
-    /// Something worth showing that is no event.
+    /// Anything else worth showing.
     fn note(&self, text: &str);
 }
 
-/// The display that fits: bars if standard error is a terminal, lines if not.
+/// Bars if standard error is a terminal, lines if not.
 pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Reporter> {
     if std::io::stderr().is_terminal() {
         Box::new(bars::Bars::new(jobs, parallel))

@@ -1,7 +1,8 @@
-//! The worker: one process, one run. `goalbench worker FOLDER` carries out the run whose manifest lies in FOLDER.
+//! The worker: one process, one run. `goalbench worker FOLDER` carries out the run whose manifest lies in
+//! FOLDER.
 //!
-//! It goes on from the folder's checkpoint if there is one. SIGTERM and SIGINT make it save a checkpoint at the end of
-//! the running cycle and stop; so does the death of its parent.
+//! It goes on from the folder's checkpoint if there is one. SIGTERM and SIGINT make it save a checkpoint at
+//! the end of the running cycle and stop; so does the death of its parent.
 
 mod observers;
 
@@ -23,10 +24,11 @@ use crate::Registry;
 use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
 use crate::run::checkpoint::{self, CheckpointError, REPLAY};
+use crate::run::error::RunError;
 use crate::run::folder::{self, Extent};
 use crate::run::lock::Lock;
 use crate::run::observer::Observer;
-use crate::run::train::{End, RunError, Trainer};
+use crate::run::train::{End, Trainer};
 use observers::{Recording, Telling};
 
 /// How long to wait for another worker that is about to end: longer than a cycle and a checkpoint take.
@@ -34,11 +36,11 @@ const LOCK_PATIENCE: Duration = Duration::from_secs(20);
 /// Time between two looks at the lock.
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
 
-/// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside the records.
-/// A run that breaks down is no failure of the worker: that is its outcome.
+/// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside
+/// the records. A run that breaks down is no failure of the worker: that is its outcome.
 ///
-/// The parent hears of everything as events, of what goes wrong as well. Whoever reads standard error gets the error:
-/// `Err` with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
+/// The parent hears of everything as events, of what goes wrong as well. Whoever reads standard error gets
+/// the error: `Err` with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
 ///
 /// # Errors
 /// The exit code and why.
@@ -86,7 +88,8 @@ fn carry_out(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Ex
     let (manifest, config) = folder::read_manifest(folder)?;
     registry.check(&manifest.run)?;
 
-    // Whoever started this worker is waiting for it. If they die, save a checkpoint and stop, like on SIGTERM.
+    // Whoever started this worker is waiting for it. If they die, save a checkpoint and stop, like on
+    // SIGTERM.
     set_parent_process_death_signal(Some(Signal::TERM))
         .map_err(HarnessError::system("listen for the parent's death"))?;
     let _lock = take_lock(folder)?;
@@ -160,7 +163,8 @@ fn begin(
     Ok((trainer, checkpoint.progress))
 }
 
-/// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try again.
+/// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try
+/// again.
 fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
     match outcome {
         Outcome::Finished { .. } => Ok(RunFolder::new(folder).remove(Lives::UntilFinished)?),
@@ -168,8 +172,8 @@ fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
     }
 }
 
-/// Refuses to begin anew over records that a checkpoint must have followed: the checkpoint was lost, and the records
-/// would be lost as well.
+/// Refuses to begin anew over records that a checkpoint must have followed: the checkpoint was lost, and the
+/// records would be lost as well.
 fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     /// Evaluations that are recorded before the first checkpoint is saved.
     const BEFORE_CHECKPOINT: usize = 2;
@@ -188,8 +192,8 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     Ok(())
 }
 
-/// Whether libtorch refused something to the student, or to a teacher that asked it or has networks of its own. Shapes
-/// were checked before, so the machine is to blame: there is no memory, or a device went away.
+/// Whether libtorch refused something to the student, or to a teacher that asked it or has networks of its
+/// own. Shapes were checked before, so the machine is to blame: there is no memory, or a device went away.
 fn is_libtorch(error: &RunError) -> bool {
     matches!(
         error,

@@ -10,7 +10,7 @@ use reports::schema::{Outcome, Record, Teaching};
 use crate::run::checkpoint::{self, Checkpoint, REPLAY};
 use crate::run::folder::{Extent, Recorder};
 use crate::run::observer::{Checkpointer, Observer, Stage, Wish};
-use crate::run::train::TrainerState;
+use crate::run::state::TrainerState;
 use crate::sweep::event::Event;
 
 /// At most one [`Event::Step`] in this time.

@@ -1,0 +1,31 @@
+//! What ends a run early.
+
+use agents::AgentError;
+use curricula::CurriculumError;
+use envs::EnvError;
+
+/// Why a run cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The physics.
+    #[error(transparent)]
+    Environment(#[from] EnvError),
+    /// The student.
+    #[error(transparent)]
+    Student(#[from] AgentError),
+    /// The teacher.
+    #[error(transparent)]
+    Teacher(#[from] CurriculumError),
+    /// The teacher asked for a goal that the pool does not hold.
+    #[error("the curriculum proposed pool goal {index}, but the pool holds {size}")]
+    NoSuchGoal {
+        /// What it asked for.
+        index: usize,
+        /// N.
+        size: usize,
+    },
+    /// Recording failed; the run itself is well.
+    #[error("cannot record")]
+    Recording(#[from] std::io::Error),
+}
