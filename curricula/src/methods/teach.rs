@@ -159,7 +159,7 @@ impl Signal {
         }
     }
 
-    /// The progress that comes of rounding alone, of values down to `lowest`.
+    /// The progress that rounding alone causes, in values down to `lowest`.
     fn negligible(self, lowest: f64) -> f64 {
         match self {
             Self::Variance => rounding(lowest).powi(2),

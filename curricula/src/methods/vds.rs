@@ -121,7 +121,7 @@ impl Disagreement {
         }
     }
 
-    /// The disagreement that comes of rounding alone, of values down to `lowest` = −1/(1−γ).
+    /// The disagreement that rounding alone causes, in values down to `lowest` = −1/(1−γ).
     pub fn negligible(self, lowest: f64) -> f64 {
         match self {
             Self::Std => rounding(lowest),
@@ -138,7 +138,7 @@ impl Disagreement {
     }
 
     /// The curriculum that follows from every goal's `disagreement`, shape `[n]`: in proportion to it, and
-    /// uniform where it is but rounding of values down to `lowest` = −1/(1−γ).
+    /// uniform where it is nothing but the rounding of values down to `lowest` = −1/(1−γ).
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`] if a disagreement is not finite.
@@ -156,21 +156,21 @@ pub struct Vds {
     updates: usize,
 }
 
-/// Everything that changes while teaching, and room for what is worked on.
+/// Everything that changes while teaching, and buffers that are filled anew whenever they are used.
 pub struct VdsState {
     ensemble: Ensemble,
     latest: Latest,
-    /// The transitions of a gradient step, a batch for every member. Filled anew every time.
+    /// The transitions of a gradient step, a batch for every member.
     batch: Batch,
-    /// Candidate goals, shape `[candidates, G]`. Drawn anew every time.
+    /// Candidate goals, shape `[candidates, G]`.
     candidates: Goals,
-    /// The start of the episode, once per candidate, shape `[candidates, S]`. Filled anew every time.
+    /// The start of the episode, once per candidate, shape `[candidates, S]`.
     starts: Rows,
 }
 
 /// What is saved of [`VdsState`].
 #[derive(Serialize, Deserialize)]
-struct Written {
+struct SavedVds {
     ensemble: Vec<u8>,
     latest: Latest,
 }
@@ -180,11 +180,11 @@ impl TeacherState for VdsState {
 
     fn write(&self) -> Result<Vec<u8>, CurriculumError> {
         let Self { ensemble, latest, batch: _, candidates: _, starts: _ } = self;
-        Ok(snapshot::plain_bytes(&Written { ensemble: ensemble.save()?, latest: *latest }))
+        Ok(snapshot::plain_bytes(&SavedVds { ensemble: ensemble.save()?, latest: *latest }))
     }
 
     fn read(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let Written { ensemble, latest } = snapshot::from_plain_bytes(bytes)?;
+        let SavedVds { ensemble, latest } = snapshot::from_plain_bytes(bytes)?;
         self.ensemble.load(&ensemble).map_err(|error| match error {
             AgentError::State { .. } => snapshot::refuse_because("its ensemble does not fit", error),
             other => other.into(),
