@@ -1,13 +1,15 @@
-//! What teachers cost, as a share of the student's learning in the same cycle: both at full size (1000 goals, batch 1024,
-//! 40 gradient steps) on MazeA, whose networks are the smallest and whose episodes are the cheapest.
+//! What teachers cost, as a share of the student's learning in the same cycle: both at full size (1000 goals,
+//! batch 1024, 40 gradient steps) on MazeA, whose networks are the smallest and whose episodes are the
+//! cheapest.
 //!
-//! A teacher's share counts all it does in a cycle: two proposals, hearing of two episodes, its own learning. Student and
-//! teachers take turns, so that all meet the same machine; printed are medians over the turns. A whole cycle
-//! takes longer than its learning, so shares of a cycle are smaller still.
+//! A teacher's share counts all it does in a cycle: two proposals, hearing of two episodes, its own learning.
+//! Student and teachers take turns, so that all meet the same machine; printed are medians over the turns. A
+//! whole cycle takes longer than its learning, so shares of a cycle are smaller still.
 //!
-//! TEACH, SPaCE and ProCuRL together, measuring from the coming start, should stay within 3 %, and TEACH with its default of 8 held
-//! states within 5 %; the exit code says whether they do. VDS trains an ensemble and is reported apart. Every episode has
-//! another start here, as it has on most tasks: on a maze, whose start is fixed, ProCuRL and TEACH ask less often.
+//! TEACH, SPaCE and ProCuRL together, measuring from the coming start, should stay within 3 %, and TEACH with
+//! its default of 8 held states within 5 %; the exit code says whether they do. VDS trains an ensemble and is
+//! reported apart. Every episode has another start here, as it has on most tasks: on a maze, whose start is
+//! fixed, ProCuRL and TEACH ask less often.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints what it measured")]
 
@@ -17,10 +19,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use agents::{Agent, Episode, StudentConfig};
+use curricula::testing::standing_still;
 use curricula::{CURRICULA, Curriculum, Lesson, Setting};
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Options, Rows, Spec, draw_pool};
-use toml::Table;
+use envs::{GoalEnv, Options, draw_pool};
 
 /// The teachers that together may cost [`BAR`], measuring from the coming start.
 const CHEAP: [&str; 3] = ["teach", "space", "procurl"];
@@ -42,8 +44,7 @@ struct Candidate {
 impl Candidate {
     fn new(id: &str, name: &str, config: &str, setting: &Setting) -> Self {
         let entry = CURRICULA.iter().find(|entry| entry.id == id).expect("a registered teacher");
-        let config: Table = config.parse().expect("TOML");
-        let teacher = (entry.build)(&config, setting).expect("a valid config");
+        let teacher = entry.build(config.parse().expect("TOML"), setting).expect("a valid config");
         Self { name: name.to_owned(), teacher, shares: Vec::new() }
     }
 }
@@ -66,6 +67,7 @@ impl Classroom {
         let mut student = agents::registry::make(&config, &spec, 0).expect("a student");
         env.reset(&mut stream(0, Purpose::Environment)).expect("a start");
         let (mut replay, rng) = (stream(0, Purpose::Replay), stream(0, Purpose::Teacher));
+        // The student learns as slowly from standing still as from any other episode.
         let episode = standing_still(&*env);
         student.observe(&episode, &*env, &mut replay).expect("an episode");
         let setting = Setting { spec, pool: Arc::new(pool), seed: 0, student: config };
@@ -92,23 +94,6 @@ impl Classroom {
         }
         teacher.learn(&mut **student, &**env, rng).expect("learns");
         begun.elapsed().as_secs_f64()
-    }
-}
-
-/// An episode of standing still: the student learns as slowly from it as from any other.
-fn standing_still(env: &dyn GoalEnv) -> Episode {
-    let Spec { state, goal, action, horizon, .. } = *env.spec();
-    let rows = |row: &[f64], n: usize, width: usize| {
-        let mut rows = Rows::with_capacity(width, n);
-        (0..n).for_each(|_| rows.push(row));
-        rows
-    };
-    Episode {
-        states: rows(&env.observation().state, horizon + 1, state),
-        achieved: rows(&env.observation().achieved, horizon + 1, goal),
-        actions: rows(&vec![0.0; action], horizon, action),
-        goal: env.goal().to_vec(),
-        success: false,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a teacher is.
+//! What a teacher is to the harness, and what passes between the two.
 
 use std::sync::Arc;
 
@@ -8,18 +8,86 @@ use envs::{GoalSource, Goals, Observation, Reward, Spec};
 
 use crate::error::CurriculumError;
 
-/// The goal a teacher asks for in the coming episode.
+/// The goal that a teacher asks for in the coming episode, and what it thought of that goal.
+///
+/// Scores and ranks are recorded beside how the episode ended. Scores that say nothing about success, or
+/// places of a set that never come up, show a teacher that is not doing what it should.
+///
+/// ```
+/// use curricula::{Proposal, ProposedGoal};
+///
+/// let proposal = Proposal::pool(3).scored(0.25);
+/// assert_eq!(proposal.goal, ProposedGoal::Pool(3));
+/// assert_eq!((proposal.score, proposal.rank), (Some(0.25), None));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub enum Proposal {
-    /// The goal that the environment drew itself at the reset.
-    Native,
-    /// The goal with this index in the pool.
-    Pool(usize),
-    /// Any other goal, shape `[G]`.
-    Goal(Vec<f64>),
+pub struct Proposal {
+    /// The goal.
+    pub goal: ProposedGoal,
+    /// How the method scored the goal: the larger, the more it wanted it. A score that is not finite is not
+    /// recorded.
+    pub score: Option<f64>,
+    /// The goal's place, where a method trains on a ranked set.
+    pub rank: Option<Rank>,
 }
 
-/// What a teacher may see when it chooses: all of it training-side. Evaluation goals never come this way.
+/// Where a proposed goal comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProposedGoal {
+    /// The environment drew it itself at the reset.
+    Native,
+    /// It has this index in the pool.
+    Pool(usize),
+    /// It is any other goal, shape `[G]`.
+    Other(Vec<f64>),
+}
+
+impl Proposal {
+    /// The goal that the environment drew itself at the reset.
+    pub fn native() -> Self {
+        ProposedGoal::Native.into()
+    }
+
+    /// The goal with this index in the pool.
+    pub fn pool(index: usize) -> Self {
+        ProposedGoal::Pool(index).into()
+    }
+
+    /// Any goal, shape `[G]`.
+    pub fn other(goal: Vec<f64>) -> Self {
+        ProposedGoal::Other(goal).into()
+    }
+
+    /// The same with the method's score of the goal.
+    #[must_use]
+    pub fn scored(self, score: impl Into<Option<f64>>) -> Self {
+        Self { score: score.into(), ..self }
+    }
+
+    /// The same with the goal's place in a ranked set.
+    #[must_use]
+    pub fn ranked(self, rank: Rank) -> Self {
+        Self { rank: Some(rank), ..self }
+    }
+}
+
+impl From<ProposedGoal> for Proposal {
+    /// The goal without score and rank.
+    fn from(goal: ProposedGoal) -> Self {
+        Self { goal, score: None, rank: None }
+    }
+}
+
+/// A place in a ranked set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rank {
+    /// 0 for the goal that ranks first.
+    pub place: usize,
+    /// Goals in the set, at least 1.
+    pub of: usize,
+}
+
+/// What a teacher may see when it chooses, all of it from training. Evaluation goals never come this way.
 pub struct Lesson<'a> {
     /// The student, read-only.
     pub student: &'a mut dyn Critic,
@@ -36,40 +104,50 @@ pub struct Lesson<'a> {
 pub struct Setting {
     /// Dimensions of the task.
     pub spec: Spec,
-    /// N goals drawn once from the environment's own distribution, shared by all curricula of one seed. Empty for
-    /// methods that do not use it ([`Method::USES_POOL`](crate::Method::USES_POOL)): `her-iid` and `vds`.
+    /// N goals drawn once from the environment's own distribution, shared by all curricula of one seed. Empty
+    /// for methods that do not use it ([`Method::USES_POOL`](crate::Method::USES_POOL)), such as `her-iid`
+    /// and `vds`.
     pub pool: Arc<Goals>,
-    /// Seed of the teacher's stream (the run's, unless `seed.teacher` says otherwise), for teachers with networks of their own.
+    /// Seed of the teacher's stream, for teachers with networks of their own. It is the run's unless
+    /// `seed.teacher` says otherwise.
     pub seed: u64,
     /// The student's resolved hyper-parameters, for teachers whose networks are like the student's.
     pub student: StudentConfig,
 }
 
-/// What a teacher thought of a goal when it chose it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
-    /// How the method scored the goal: the larger, the more it wanted it. What is not finite is recorded as none.
-    pub score: f64,
-    /// Where a method trains on a ranked set: the goal's place in it.
-    pub rank: Option<Rank>,
-}
-
-/// A place in a ranked set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rank {
-    /// 0 for the goal that ranks first.
-    pub place: usize,
-    /// Goals in the set, at least 1.
-    pub of: usize,
-}
-
-/// Numbers about what a teacher is doing, recorded at every evaluation: (name, value), always the same names in the
-/// same order. NaN stands for "not defined yet".
+/// Numbers about what a teacher is doing, recorded at every evaluation: (name, value), always the same names
+/// in the same order. NaN stands for "not defined yet".
 pub type Statistics = Vec<(&'static str, f64)>;
 
-/// A curriculum: chooses the goal of every training episode.
+/// What is recorded about a teacher.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TeacherSummary<'a> {
+    /// The current probability of every goal of the pool, shape `[N]`, for teachers that weigh the pool.
+    pub weights: Option<&'a [f64]>,
+    /// Further numbers.
+    pub statistics: Statistics,
+}
+
+/// A curriculum at work: it chooses the goal of every training episode.
 ///
-/// Only [`Curriculum::propose`] is required. The harness owns the loop and all logging.
+/// The harness sees teachers through this trait, and owns the loop and all logging. A method does not
+/// implement it: it implements [`Method`](crate::Method), and a [`Teacher`](crate::Teacher) makes a
+/// curriculum of that. The trait has no default methods, so that nothing gets lost in a decorator.
+///
+/// ```
+/// use curricula::testing::Class;
+///
+/// // TEACH over a pool of three goals. The student's confidence in goal i moves by i per gradient step.
+/// let config = "window = 2\nstates = \"initial\"";
+/// let mut class = Class::new("teach", config, 3, |goal, steps| -((goal as u64 * steps) as f64));
+/// class.cycles(2);
+/// // The variances are 0, 1/4 and 1, and goals are drawn in proportion to them.
+/// assert_eq!(class.teacher.summary().weights, Some(&[0.0, 0.2, 0.8][..]));
+///
+/// let bytes = class.teacher.save()?;
+/// class.teacher.load(&bytes)?;
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
 pub trait Curriculum: Send {
     /// Chooses the goal of the coming episode.
     ///
@@ -81,9 +159,7 @@ pub trait Curriculum: Send {
     ///
     /// # Errors
     /// [`CurriculumError`] if the episode is not of the teacher's task.
-    fn observe(&mut self, _episode: &Episode) -> Result<(), CurriculumError> {
-        Ok(())
-    }
+    fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError>;
 
     /// Learns after each of the student's learning cycles.
     ///
@@ -91,47 +167,23 @@ pub trait Curriculum: Send {
     /// [`CurriculumError`] if its own learning diverged.
     fn learn(
         &mut self,
-        _student: &mut dyn Critic,
-        _reward: &dyn Reward,
-        _rng: &mut Rng,
-    ) -> Result<(), CurriculumError> {
-        Ok(())
-    }
+        student: &mut dyn Critic,
+        reward: &dyn Reward,
+        rng: &mut Rng,
+    ) -> Result<(), CurriculumError>;
 
-    /// What the teacher thought of the goal that it proposed last, for methods that score goals. Recorded beside how the episode
-    /// ended: a score that says nothing about success, or ranks of which some never come up, show a teacher that is not
-    /// doing what it should.
-    fn choice(&self) -> Option<Choice> {
-        None
-    }
-
-    /// The current probability of every pool goal, shape `[N]`, for teachers that hold one.
-    fn weights(&self) -> Option<&[f64]> {
-        None
-    }
-
-    /// Further numbers to record.
-    fn statistics(&self) -> Statistics {
-        Statistics::new()
-    }
+    /// What there is to record of it now.
+    fn summary(&self) -> TeacherSummary<'_>;
 
     /// The teacher's whole state as bytes, so that a run can resume exactly. Stateless teachers have none.
     ///
     /// # Errors
     /// [`CurriculumError`] if networks of its own cannot be read.
-    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
-        Ok(Vec::new())
-    }
+    fn save(&self) -> Result<Vec<u8>, CurriculumError>;
 
-    /// Takes back what [`Curriculum::save`] gave.
+    /// Takes back what [`Curriculum::save`] gave. A teacher that refuses the bytes stays as it was.
     ///
     /// # Errors
     /// [`CurriculumError::State`] if the bytes are not this teacher's.
-    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        if bytes.is_empty() {
-            Ok(())
-        } else {
-            Err(CurriculumError::State { reason: "a stateless teacher was given state".into() })
-        }
-    }
+    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError>;
 }

@@ -5,9 +5,21 @@ use rand::distr::Distribution as _;
 use rand::distr::weighted::WeightedIndex;
 use serde::{Deserialize, Serialize};
 
+use crate::curriculum::TeacherSummary;
 use crate::error::CurriculumError;
 
 /// A probability for every goal, shape `[n]`: finite, none negative, summing to 1.
+///
+/// ```
+/// use curricula::Distribution;
+/// use envs::rng::{Purpose, stream};
+///
+/// let curriculum = Distribution::proportional(&[1.0, 3.0, 0.0], 0.0, "learning progress")?;
+/// assert_eq!(curriculum.probabilities(), [0.25, 0.75, 0.0]);
+/// // A goal of probability 0 is never drawn.
+/// assert!(curriculum.draw(&mut stream(0, Purpose::Teacher)) < 2);
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct Distribution(Vec<f64>);
@@ -36,8 +48,9 @@ impl Distribution {
         Self(probabilities)
     }
 
-    /// w_i / Σ w: in proportion to `weights` (none negative). Uniform where their mean is at most `negligible`, the
-    /// size at which weights of this kind are rounding and say nothing about goals; 0 if all of them count.
+    /// w_i / Σ w: in proportion to `weights` (none negative). Uniform where their mean is at most
+    /// `negligible`, the size at which weights of this kind are rounding and say nothing about goals; 0 if
+    /// all of them count.
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`], naming the quantity as `what`.
@@ -113,9 +126,11 @@ impl Distribution {
         self.entropy().exp()
     }
 
-    /// Both of them, named for the records.
-    pub fn statistics(&self) -> [(&'static str, f64); 2] {
-        [("entropy", self.entropy()), ("effective_goals", self.effective_goals())]
+    /// The probabilities as weights, with [`Distribution::entropy`] and [`Distribution::effective_goals`] by
+    /// name.
+    pub fn summary(&self) -> TeacherSummary<'_> {
+        let statistics = vec![("entropy", self.entropy()), ("effective_goals", self.effective_goals())];
+        TeacherSummary { weights: Some(&self.0), statistics }
     }
 }
 

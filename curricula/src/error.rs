@@ -1,5 +1,7 @@
 //! What can go wrong with a teacher.
 
+use std::error::Error;
+
 /// Errors of teachers.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,17 +29,23 @@ pub enum CurriculumError {
     State {
         /// What is wrong with it.
         reason: String,
+        /// What was found out when it was read.
+        source: Option<Box<dyn Error + Send + Sync>>,
     },
-    /// The student could not answer.
+    /// The student, or networks of the teacher's own, could not answer.
     #[error(transparent)]
     Student(#[from] agents::AgentError),
-    /// The environment could not answer.
-    #[error(transparent)]
-    Environment(#[from] envs::EnvError),
 }
 
 impl CurriculumError {
     /// Refuses the value `got` of `field` unless it is `accepted`, as in "at least 2".
+    ///
+    /// ```
+    /// use curricula::CurriculumError;
+    ///
+    /// let refused = CurriculumError::require(false, "window", "at least 2", 1).unwrap_err();
+    /// assert_eq!(refused.to_string(), "window: must be at least 2, got 1");
+    /// ```
     ///
     /// # Errors
     /// [`CurriculumError::Config`] if not `ok`.

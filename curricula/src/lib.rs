@@ -1,30 +1,43 @@
 //! The teachers: automatic curricula over goals.
 //!
-//! [`Curriculum`] is what a teacher does during a run, [`Method`] what it is as an entry of a table, and
-//! [`CURRICULA`] the table of those that come with this crate. A new teacher is one file,
-//! its `pub mod` line in [`methods`] and one row of the table; outside this workspace it is the same file and an [`Entry`]
+//! A [`Method`] is a way to teach. All that changes while it teaches is its state ([`TeacherState`]). A
+//! [`Teacher`] holds both, and saves and loads the state. The harness sees it as a [`Curriculum`].
+//! [`CURRICULA`] is the table of the methods that come with this crate: a new one is one file, its `pub mod`
+//! line in [`methods`] and one row of the table. Outside this workspace it is the same file, and an [`Entry`]
 //! made from it.
 //!
-//! The other modules are what teachers have in common: a [`Probe`] asks the student for its confidence and remembers the
-//! answers in a [`Window`], a [`Distribution`] over goals comes of them (both are a [`PoolState`]), and
-//! [`snapshot`] keeps it all for a resumed run.
+//! Many teachers work alike: a [`Probe`] asks the student for its confidence in every goal and remembers the
+//! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
+//! [`ScoredPool`] put the parts together.
+//!
+//! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
+//! watched at work.
 
+mod config;
 mod curriculum;
 mod distribution;
 mod error;
+mod method;
 pub mod methods;
 mod pool_state;
 mod probe;
 mod registry;
 pub mod snapshot;
+mod state;
+mod teacher;
+pub mod testing;
 mod variance;
 mod window;
 
-pub use curriculum::{Choice, Curriculum, Lesson, Proposal, Rank, Setting, Statistics};
+pub use config::Configured;
+pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, Statistics, TeacherSummary};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
-pub use pool_state::PoolState;
+pub use method::Method;
+pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
-pub use registry::{Build, CURRICULA, Entry, Method};
+pub use registry::{CURRICULA, Configure, Entry};
+pub use state::{PlainState, TeacherState};
+pub use teacher::Teacher;
 pub use variance::{ROUNDING, population_variance, rounding};
 pub use window::Window;

@@ -1,4 +1,5 @@
-//! Asking the student for its confidence in the goals of the pool, and remembering answers that can be compared.
+//! Asking the student for its confidence in the goals of the pool, and remembering answers that can be
+//! compared.
 
 use agents::{AgentError, Network};
 use envs::{Goals, Rows};
@@ -10,34 +11,44 @@ use crate::error::CurriculumError;
 use crate::snapshot;
 use crate::window::Window;
 
-/// From which states confidence is measured. Eq. 7 of TEACH averages over the states of the replay buffer and leaves open
-/// how many that are.
+/// From which states confidence is measured. Eq. 7 of TEACH averages over the states of the replay buffer and
+/// leaves open how many that are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StateSource {
-    /// States drawn once from the replay buffer and held, so that confidence moves only with the networks. They are renewed
-    /// now and then, with a hand-over: see [`Probe`].
+    /// States drawn once from the replay buffer and held, so that confidence moves only with the networks.
+    /// They are renewed now and then, with a hand-over: see [`Probe`].
     #[default]
     Reference,
-    /// Fresh draws from the replay buffer at every evaluation: unbiased, but what changes between two evaluations is also
-    /// the sample.
+    /// Fresh draws from the replay buffer at every evaluation: unbiased, but what changes between two
+    /// evaluations is also the sample.
     Replay,
-    /// The start state of the coming episode: what changes between two evaluations is also the start, where starts are
-    /// random.
+    /// The start state of the coming episode: what changes between two evaluations is also the start, where
+    /// starts are random.
     Initial,
 }
 
-/// How confidence is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How confidence C(g) is measured: the options that all methods share which go by it. They are fields of the
+/// method's own table, so they are included with `#[serde(flatten)]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProbeConfig {
-    /// Which networks answer.
+    /// Networks that answer: `online`, `target`, or `target-critic` (the averaged critic judges the trained
+    /// policy's action).
+    #[serde(rename = "confidence")]
     pub network: Network,
-    /// From which states.
+    /// States that C(g) averages over: `reference`, `replay` or `initial`.
     pub states: StateSource,
-    /// M, how many states, with [`StateSource::Reference`] and [`StateSource::Replay`].
+    /// M, number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
     pub replay_states: usize,
-    /// Evaluations after which [`StateSource::Reference`] begins with other states.
+    /// Evaluations after which `reference` begins with other states; at least as many as are compared.
+    /// Choice: 100.
     pub renewal: u64,
+}
+
+impl Default for ProbeConfig {
+    fn default() -> Self {
+        Self { network: Network::Online, states: StateSource::Reference, replay_states: 8, renewal: 100 }
+    }
 }
 
 /// The largest accepted number of replay states: every one costs a forward pass over the whole pool.
@@ -47,8 +58,8 @@ impl ProbeConfig {
     /// Checks the ranges, for a probe that compares `window` evaluations.
     ///
     /// # Errors
-    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or held states with a `renewal` below `window`: those
-    /// that are renewed sooner could never fill it.
+    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or held states with a `renewal`
+    /// below `window`: states that are renewed sooner could never fill it.
     pub fn check(&self, window: usize) -> Result<(), CurriculumError> {
         let accepted = format!("in 1..={MOST_REPLAY_STATES}");
         let ok = (1..=MOST_REPLAY_STATES).contains(&self.replay_states);
@@ -59,7 +70,7 @@ impl ProbeConfig {
     }
 }
 
-/// What comes of asking.
+/// What [`Probe::ask`] did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// The window has a new evaluation, or its newest was made anew from another start.
@@ -70,12 +81,34 @@ pub enum Answer {
     NoStates,
 }
 
-/// Measures policy confidence C(g) (TEACH, Eq. 7) over a list of goals, once per state of the networks, and remembers the last
-/// evaluations in a [`Window`].
+/// Measures policy confidence C(g) (TEACH, Eq. 7) over a list of goals, once per state of the networks, and
+/// remembers the last evaluations in a [`Window`].
 ///
-/// With [`StateSource::Reference`] all evaluations in the window are from the same states. After `renewal` evaluations a
-/// successor is drawn; both sets are measured until the successor's window is full, then it takes over. So the window
-/// never compares different states, and its states do not grow old.
+/// With [`StateSource::Reference`] all evaluations in the window are from the same states. After `renewal`
+/// evaluations a successor is drawn; both sets are measured until the successor's window is full, then it
+/// takes over. So the window never compares different states, and its states do not grow old.
+///
+/// ```
+/// use curricula::testing::Class;
+/// use curricula::{Answer, Lesson, Probe, ProbeConfig, StateSource};
+///
+/// // A student whose confidence in goal i is -i, in a class with a pool of three goals.
+/// let mut class = Class::new("her-iid-pool", "", 3, |goal, _steps| -(goal as f64));
+/// let config = ProbeConfig { states: StateSource::Initial, ..ProbeConfig::default() };
+/// let mut probe = Probe::new(10);
+/// let pool = class.setting.pool.clone();
+/// let mut lesson = Lesson {
+///     student: &mut class.student,
+///     start: &class.start,
+///     goals: &mut *class.env,
+///     rng: &mut class.rng,
+/// };
+/// assert_eq!(probe.ask(&config, &pool, &mut lesson, false)?, Answer::Recorded);
+/// assert_eq!(probe.window().last(), Some(&[0.0, -1.0, -2.0][..]));
+/// // The networks have not changed since.
+/// assert_eq!(probe.ask(&config, &pool, &mut lesson, false)?, Answer::Unchanged);
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
     /// Gradient steps behind the networks at the last evaluation.
@@ -126,12 +159,13 @@ impl Probe {
         &self.current.window
     }
 
-    /// Asks the student for its confidence in every goal of `pool`, if the networks have changed since the last evaluation. With
-    /// [`StateSource::Initial`] and `anew` also if they have not, but the coming episode has another start: the newest
-    /// evaluation is then made anew from there.
+    /// Asks the student for its confidence in every goal of `pool`, if the networks have changed since the
+    /// last evaluation. With [`StateSource::Initial`] and `anew` also if they have not, but the coming
+    /// episode has another start: the newest evaluation is then made anew from there.
     ///
     /// # Errors
-    /// [`CurriculumError::NotFinite`] or [`CurriculumError::Student`] if the answer is not one finite value per goal.
+    /// [`CurriculumError::NotFinite`] or [`CurriculumError::Student`] if the answer is not one finite value
+    /// per goal.
     pub fn ask(
         &mut self,
         config: &ProbeConfig,
@@ -181,8 +215,8 @@ impl Probe {
         (!states.is_empty()).then_some(states)
     }
 
-    /// Draws a successor of the held states when they have served their time, measures it, and hands over to it when its window
-    /// is full.
+    /// Draws a successor of the held states when they have served their time, measures it, and hands over to
+    /// it when its window is full.
     fn renew(
         &mut self,
         config: &ProbeConfig,
@@ -206,7 +240,8 @@ impl Probe {
         Ok(())
     }
 
-    /// Evaluations so far, and the mean, smallest and largest confidence at the last one (NaN before the first).
+    /// Evaluations so far, and the mean, smallest and largest confidence at the last one (NaN before the
+    /// first).
     pub fn statistics(&self) -> [(&'static str, f64); 4] {
         let [mean, min, max] = self.summary.unwrap_or([f64::NAN; 3]);
         [
@@ -217,7 +252,8 @@ impl Probe {
         ]
     }
 
-    /// Refuses a loaded state that is of another pool than one of `goals`, or of a window of another length than `window`.
+    /// Refuses a loaded state that is of another pool than one of `goals`, or of a window of another length
+    /// than `window`.
     ///
     /// # Errors
     /// [`CurriculumError::State`] if it is.

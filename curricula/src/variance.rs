@@ -2,15 +2,22 @@
 
 /// Standard deviation of a goal's values that says nothing about the goal: their rounding.
 ///
-/// Values of a trained critic lie in [−1/(1−γ), 0], which is [−100, 0] for the longest horizon of the paper, in single precision. Neighbouring
-/// numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
+/// Values of a trained critic are single-precision numbers in [−1/(1−γ), 0], which is [−100, 0] for the
+/// longest horizon of the paper. Neighbouring numbers there are up to 2⁻¹⁷ = 7.6e-6 apart, and rounding to
+/// them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
 pub const ROUNDING: f64 = 3e-6;
 
 /// From here to its double, numbers of single precision are as far apart as [`ROUNDING`] takes them to be.
 const BINADE: f64 = -64.0;
 
-/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's horizons, and
-/// doubled beyond them with every doubling of the spacing of numbers there, at −128, −256 and so on.
+/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's
+/// horizons, and doubled beyond them with every doubling of the spacing of numbers there, at −128, −256 and
+/// so on.
+///
+/// ```
+/// assert_eq!(curricula::rounding(-50.0), curricula::ROUNDING);
+/// assert_eq!(curricula::rounding(-200.0), 2.0 * curricula::ROUNDING);
+/// ```
 pub fn rounding(lowest: f64) -> f64 {
     // No less for shorter horizons: a difference of 3e-6 in value is nothing there, either.
     ROUNDING * (lowest / BINADE).log2().floor().exp2().max(1.0)
@@ -18,8 +25,13 @@ pub fn rounding(lowest: f64) -> f64 {
 
 /// Population variance, (1/n) Σ (x − mean)², of `values`; 0 for fewer than two.
 ///
-/// Deviations are taken from the first value, so that equal values give exactly 0 and a common offset costs no
-/// precision.
+/// Deviations are taken from the first value, so that equal values give exactly 0 and a common offset costs
+/// no precision.
+///
+/// ```
+/// // The mean is 3, the deviations are -2, 0 and 2.
+/// assert_eq!(curricula::population_variance([1.0, 3.0, 5.0]), 8.0 / 3.0);
+/// ```
 pub fn population_variance(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values = values.into_iter();
     let Some(first) = values.next() else { return 0.0 };

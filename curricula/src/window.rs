@@ -9,6 +9,16 @@ use crate::snapshot;
 use crate::variance::population_variance;
 
 /// A ring of the last `capacity` evaluations, each with one value per goal.
+///
+/// ```
+/// let mut window = curricula::Window::new(2);
+/// for values in [[-9.0, -9.0], [-1.0, -4.0], [-3.0, -4.0]] {
+///     window.push(values.to_vec());
+/// }
+/// assert_eq!(window.len(), 2);
+/// // The first goal's values are -1 and -3, the second one stands still.
+/// assert_eq!(window.variance(), [1.0, 0.0]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     capacity: usize,
@@ -79,8 +89,8 @@ impl Window {
         self.evaluations.iter().nth_back(1).map(Vec::as_slice)
     }
 
-    /// |C(g, t) − C(g, t−1)| of every goal, shape `[N]`: the simple difference that TEACH, section 4.3, argues against. All 0
-    /// with one evaluation, empty without any.
+    /// |C(g, t) − C(g, t−1)| of every goal, shape `[N]`: the simple difference that TEACH, section 4.3, argues
+    /// against. All 0 with one evaluation, empty without any.
     pub fn difference(&self) -> Vec<f64> {
         let newest = self.last().unwrap_or_default();
         let before = self.before_last().unwrap_or(newest);
@@ -111,8 +121,8 @@ impl Window {
         Ok(())
     }
 
-    /// Population variance over time of every goal's value, shape `[N]` (TEACH, Eq. 8-9): over the evaluations
-    /// there are, which may still be fewer than `capacity`. Empty if there is none.
+    /// Population variance over time of every goal's value, shape `[N]` (TEACH, Eq. 8-9): over the
+    /// evaluations there are, which may still be fewer than `capacity`. Empty if there is none.
     pub fn variance(&self) -> Vec<f64> {
         let goals = self.last().map_or(0, <[f64]>::len);
         (0..goals)

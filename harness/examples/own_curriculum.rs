@@ -1,12 +1,13 @@
 //! A program of your own: all of goalbench, with one more curriculum.
 //!
-//! `nearest` starts with the pool goals that are nearest to where the episode starts and widens its circle whenever the
-//! student succeeds often enough. Many papers use such a distance curriculum as a baseline; it needs no look at the
-//! student's networks.
+//! `nearest` starts with the pool goals that are nearest to where the episode starts, and widens its circle
+//! whenever the student succeeds often enough. Many papers use such a distance curriculum as a baseline; it
+//! does not look at the student's networks.
 //!
 //! ```sh
 //! cargo run --release -p goalbench --example own_curriculum -- list curricula
-//! cargo run --release -p goalbench --example own_curriculum -- run --env MazeA --curriculum nearest,her-iid --steps 20000
+//! cargo run --release -p goalbench --example own_curriculum -- \
+//!     run --env MazeA --curriculum nearest,her-iid --steps 20000
 //! ```
 
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 
 use agents::Episode;
 use curricula::{
-    Curriculum, CurriculumError, Distribution, Entry, Lesson, Method, Proposal, Setting, Statistics, snapshot,
+    CurriculumError, Distribution, Entry, Lesson, Method, PlainState, Proposal, Setting, TeacherSummary,
 };
 use envs::Goals;
 use goalbench::Registry;
@@ -25,8 +26,7 @@ fn main() -> ExitCode {
 }
 
 /// Options, as in `--set curriculum.nearest.growth=0.02`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Serialize, Deserialize)]
 struct NearestConfig {
     /// Share of the pool to begin with, in (0, 1].
     share: f64,
@@ -44,19 +44,16 @@ impl Default for NearestConfig {
     }
 }
 
-/// Uniform over the nearest goals of the pool.
+/// Uniform over the nearest goals of the pool. It does not change during a run: what does is in
+/// [`NearestState`].
 struct Nearest {
     config: NearestConfig,
     pool: Arc<Goals>,
-    state: State,
 }
 
-/// Raised when [`State`] changes, so that an old state is never read as a new one.
-const STATE_VERSION: u32 = 1;
-
-/// What a resumed run needs.
-#[derive(Debug, Serialize, Deserialize)]
-struct State {
+/// All that changes during a run, and so all that a resumed run needs.
+#[derive(Serialize, Deserialize)]
+struct NearestState {
     /// Share of the pool in use.
     share: f64,
     /// Outcomes since the share last grew, at most `episodes` of them.
@@ -65,8 +62,14 @@ struct State {
     curriculum: Distribution,
 }
 
+impl PlainState for NearestState {
+    /// Raised when the type changes, so that an old state is never read as a new one.
+    const VERSION: u32 = 1;
+}
+
 impl Method for Nearest {
     type Config = NearestConfig;
+    type State = NearestState;
     const ID: &'static str = "nearest";
     const TITLE: &'static str = "Nearest first";
     const SOURCE: &'static str = "A distance curriculum, as an example";
@@ -76,36 +79,35 @@ impl Method for Nearest {
         let NearestConfig { share, growth, threshold, episodes } = *config;
         CurriculumError::require(share > 0.0 && share <= 1.0, "share", "a number in (0, 1]", share)?;
         CurriculumError::require(growth >= 0.0, "growth", "0 or more", growth)?;
-        CurriculumError::require(
-            (0.0..=1.0).contains(&threshold),
-            "threshold",
-            "a number in [0, 1]",
-            threshold,
-        )?;
+        let ok = (0.0..=1.0).contains(&threshold);
+        CurriculumError::require(ok, "threshold", "a number in [0, 1]", threshold)?;
         CurriculumError::require(episodes > 0, "episodes", "at least 1", episodes)
     }
 
-    fn build(config: NearestConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        let curriculum = Distribution::uniform(setting.pool.len());
-        let state = State { share: config.share, recent: Vec::new(), curriculum };
-        Ok(Box::new(Self { config, pool: Arc::clone(&setting.pool), state }))
+    fn build(config: NearestConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { config, pool: Arc::clone(&setting.pool) })
     }
-}
 
-impl Curriculum for Nearest {
-    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let start = &lesson.start.achieved;
+    fn begin(&self, _setting: &Setting) -> Result<NearestState, CurriculumError> {
+        let curriculum = Distribution::uniform(self.pool.len());
+        Ok(NearestState { share: self.config.share, recent: Vec::new(), curriculum })
+    }
+
+    fn propose(
+        &self,
+        state: &mut NearestState,
+        lesson: &mut Lesson<'_>,
+    ) -> Result<Proposal, CurriculumError> {
+        let from_start = |goal: usize| distance(self.pool.row(goal), &lesson.start.achieved);
         let mut order: Vec<usize> = (0..self.pool.len()).collect();
-        order.sort_by(|&a, &b| {
-            distance(self.pool.row(a), start).total_cmp(&distance(self.pool.row(b), start))
-        });
-        let within = ((self.state.share * order.len() as f64).round() as usize).clamp(1, order.len());
-        self.state.curriculum = Distribution::uniform_over(&order[..within], order.len());
-        Ok(Proposal::Pool(self.state.curriculum.draw(lesson.rng)))
+        order.sort_by(|&a, &b| from_start(a).total_cmp(&from_start(b)));
+        let within = ((state.share * order.len() as f64).round() as usize).clamp(1, order.len());
+        state.curriculum = Distribution::uniform_over(&order[..within], order.len());
+        Ok(Proposal::pool(state.curriculum.draw(lesson.rng)))
     }
 
-    fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
-        let State { share, recent, .. } = &mut self.state;
+    fn observe(&self, state: &mut NearestState, episode: &Episode) -> Result<(), CurriculumError> {
+        let NearestState { share, recent, .. } = state;
         recent.push(episode.success);
         if recent.len() > self.config.episodes {
             recent.remove(0);
@@ -119,29 +121,29 @@ impl Curriculum for Nearest {
         Ok(())
     }
 
-    fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.curriculum.probabilities())
-    }
-
-    fn statistics(&self) -> Statistics {
-        let mut statistics = self.state.curriculum.statistics().to_vec();
-        statistics.push(("share", self.state.share));
-        statistics
-    }
-
-    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
-        Ok(snapshot::save(Self::ID, STATE_VERSION, &self.state))
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: State = snapshot::load(Self::ID, STATE_VERSION, bytes)?;
-        snapshot::require_goals(state.curriculum.probabilities().len(), self.pool.len())?;
-        self.state = state;
-        Ok(())
+    fn summary<'a>(&'a self, state: &'a NearestState) -> TeacherSummary<'a> {
+        let mut summary = state.curriculum.summary();
+        summary.statistics.push(("share", state.share));
+        summary
     }
 }
 
 /// Euclidean distance.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use curricula::testing;
+
+    use super::*;
+
+    /// What the harness asks of every curriculum: among other things, that a loaded state goes on where it
+    /// was saved.
+    #[test]
+    fn it_keeps_the_contract() {
+        testing::contract(&Entry::of::<Nearest>());
+        testing::contract_with(&Entry::of::<Nearest>(), "share = 0.5\nthreshold = 0\nepisodes = 3");
+    }
 }

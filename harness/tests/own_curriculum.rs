@@ -12,6 +12,11 @@ use reports::schema::{Record, Teaching};
 use rustix::process::{Pid, Signal, kill_process};
 use serde::de::DeserializeOwned;
 
+/// The example itself: its own tests run here, as `cargo test` runs none of examples.
+#[path = "../examples/own_curriculum.rs"]
+#[expect(dead_code, reason = "its `main` is the program's")]
+mod example;
+
 /// Cargo builds examples with the tests, into a folder beside theirs.
 fn program() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
@@ -29,7 +34,8 @@ fn run(args: &[&str]) -> Output {
 /// Goals in the pool of the toy task.
 const POOL: usize = 50;
 
-/// Arguments for the toy task in 40 episodes with two evaluations on the way, into `out`. Later settings override.
+/// Arguments for the toy task in 40 episodes with two evaluations on the way, into `out`. Later settings
+/// override.
 fn toy_args<'a>(out: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
     let out = out.to_str().expect("a test path is UTF-8");
     let mut args = vec!["run", "--env", "Point", "--curriculum", "nearest", "--out", out];
@@ -93,8 +99,8 @@ fn it_is_listed_configured_run_and_recorded_like_a_built_in_one() {
     let own = ["curriculum.nearest.threshold=0.0", "curriculum.nearest.episodes=10"];
     let done = toy(folder.path(), &own);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    // With threshold 0 the share grows by 0.05 every 10 of the 40 episodes. The last of them was drawn before it grew
-    // for the fourth time: from a quarter of the 50 goals, rounded.
+    // With threshold 0 the share grows by 0.05 every 10 of the 40 episodes. The last of them was drawn before
+    // it grew for the fourth time: from a quarter of the 50 goals, rounded.
     let records: Vec<Record> = lines(folder.path(), "records.jsonl");
     let last = &records.last().expect("evaluations").teacher;
     assert!((last["share"].as_f64().expect("a number") - 0.3).abs() < 1e-12, "{last:?}");
@@ -107,7 +113,8 @@ fn it_is_listed_configured_run_and_recorded_like_a_built_in_one() {
 #[test]
 fn it_draws_the_goals_that_are_nearest_to_the_start() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    // Evaluated after every cycle of two episodes. The circle never grows: a tenth of the pool, that is 5 goals.
+    // Evaluated after every cycle of two episodes. The circle never grows: a tenth of the pool, that is 5
+    // goals.
     let own = ["evaluation.every=40", "evaluation.episodes=1", "curriculum.nearest.growth=0"];
     let done = toy(folder.path(), &own);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));

@@ -2,22 +2,22 @@
 //! "Hindsight Experience Replay", NeurIPS 2017). The baseline that a curriculum has to beat.
 //!
 //! # Deviations and choices
-//! - The goal comes from the environment's own joint draw of start and goal at the reset, as in Baselines' HER, so
-//!   no stream of the teacher's is used. VDS's code, run without an ensemble, draws goals from another instance
-//!   than the one at hand.
-//! - TEACH reproduces HER-IID by "official code" without naming it. Here the student is the same for all methods.
+//! - The goal comes from the environment's own joint draw of start and goal at the reset, as in Baselines'
+//!   HER, so no stream of the teacher's is used. VDS's code, run without an ensemble, draws goals from
+//!   another instance than the one at hand.
+//! - TEACH reproduces HER-IID by "official code" without naming it. Here the student is the same for all
+//!   methods.
 
 use looks::colours::BLACK;
 use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Curriculum, Lesson, Proposal, Setting};
+use crate::curriculum::{Lesson, Proposal, Setting};
 use crate::error::CurriculumError;
-use crate::registry::Method;
+use crate::method::Method;
 
 /// HER-IID has no options.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct HerIidConfig {}
 
 /// The environment's own goals.
@@ -25,19 +25,22 @@ pub struct HerIid;
 
 impl Method for HerIid {
     type Config = HerIidConfig;
+    type State = ();
     const ID: &'static str = "her-iid";
     const TITLE: &'static str = "HER-IID";
     const LOOK: Option<Look> = Some(Look::new(BLACK, Dash::Dotted, Marker::Cross));
     const SOURCE: &'static str = "Andrychowicz et al., Hindsight Experience Replay, NeurIPS 2017";
     const USES_POOL: bool = false;
 
-    fn build(_config: HerIidConfig, _setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        Ok(Box::new(Self))
+    fn build(_config: HerIidConfig, _setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self)
     }
-}
 
-impl Curriculum for HerIid {
-    fn propose(&mut self, _lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        Ok(Proposal::Native)
+    fn begin(&self, _setting: &Setting) -> Result<(), CurriculumError> {
+        Ok(())
+    }
+
+    fn propose(&self, _state: &mut (), _lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        Ok(Proposal::native())
     }
 }

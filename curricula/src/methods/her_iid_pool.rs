@@ -2,25 +2,24 @@
 //! "choosing from a fixed pool": it differs from a pool teacher in the choice alone.
 //!
 //! # Deviations and choices
-//! - No paper has it. TEACH's HER-IID draws from the task space, not from the N goals that its teacher chooses
-//!   from.
-//! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for. Those
-//!   of the pool keep it when they are set at another start, here as for every teacher of the pool. The rotation
-//!   tasks ask for no place, but the student sees it in the goal; in the others it differs by the spread of the
-//!   starts.
+//! - No paper has it. TEACH's HER-IID draws from the task space, not from the N goals that its teacher
+//!   chooses from.
+//! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for.
+//!   Those of the pool keep it when they are set at another start, here as for every teacher of the pool. The
+//!   rotation tasks ask for no place, but the student sees it in the goal; in the others it differs by the
+//!   spread of the starts.
 
 use looks::colours::GREY;
 use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::registry::Method;
+use crate::method::Method;
 
 /// HER-IID-pool has no options; the pool's size is `pool.size`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct HerIidPoolConfig {}
 
 /// Uniform over the pool.
@@ -30,27 +29,26 @@ pub struct HerIidPool {
 
 impl Method for HerIidPool {
     type Config = HerIidPoolConfig;
+    type State = ();
     const ID: &'static str = "her-iid-pool";
     const TITLE: &'static str = "HER-IID-pool";
     const LOOK: Option<Look> = Some(Look::new(GREY, Dash::Sparse, Marker::Wedge));
     const SOURCE: &'static str = "Control of this benchmark: HER-IID over a fixed pool of goals";
     const USES_POOL: bool = true;
 
-    fn build(_config: HerIidPoolConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        Ok(Box::new(Self { curriculum: Distribution::uniform(setting.pool.len()) }))
-    }
-}
-
-impl Curriculum for HerIidPool {
-    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        Ok(Proposal::Pool(self.curriculum.draw(lesson.rng)))
+    fn build(_config: HerIidPoolConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { curriculum: Distribution::uniform(setting.pool.len()) })
     }
 
-    fn weights(&self) -> Option<&[f64]> {
-        Some(self.curriculum.probabilities())
+    fn begin(&self, _setting: &Setting) -> Result<(), CurriculumError> {
+        Ok(())
     }
 
-    fn statistics(&self) -> Statistics {
-        self.curriculum.statistics().to_vec()
+    fn propose(&self, _state: &mut (), lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        Ok(Proposal::pool(self.curriculum.draw(lesson.rng)))
+    }
+
+    fn summary<'a>(&'a self, _state: &'a ()) -> TeacherSummary<'a> {
+        self.curriculum.summary()
     }
 }

@@ -1,6 +1,7 @@
 //! The methods, one file each: from the paper's idea to the code, with deviations and choices listed on top.
 //!
-//! A method is its file, its `pub mod` line here, and its row in [`crate::CURRICULA`], which makes it part of the program.
+//! A method is its file, its `pub mod` line here, and its row in [`crate::CURRICULA`], which makes it part of
+//! the program.
 
 pub mod her_iid;
 pub mod her_iid_pool;

@@ -1,86 +1,87 @@
-//! SPaCE: train on a small set of goals and let it grow when progress stagnates (Eimer, Biedenkapp, Hutter and
-//! Lindauer, "Self-Paced Context Evaluation for Contextual Reinforcement Learning", ICML 2021, Algorithm 1).
+//! SPaCE: train on a small set of goals and let it grow when progress stagnates (Eimer, Biedenkapp, Hutter
+//! and Lindauer, "Self-Paced Context Evaluation for Contextual Reinforcement Learning", ICML 2021,
+//! Algorithm 1).
 //!
-//! The set's K goals are trained on in turn. At each update t the confidence V_i = C(g_i) in every goal of the pool
-//! is measured, with m_t its mean over the set. If m has hardly moved, | |m_t| − |m_{t−1}| | ≤ η |m_{t−1}|
-//! ([`stagnates`]), K grows by κ. Then the set is chosen anew: the K goals that rank first ([`Order`]), by default
-//! those whose value improved most since the last update.
+//! The set's K goals are trained on in turn. At each update t the confidence V_i = C(g_i) in every goal of
+//! the pool is measured, with m_t its mean over the set. If m has hardly moved, | |m_t| − |m_{t−1}| | ≤ η
+//! |m_{t−1}| ([`stagnates`]), K grows by κ. Then the set is chosen anew: the K goals that rank first
+//! ([`Order`]), by default those whose value improved most since the last update.
 //!
 //! # Deviations and choices
-//! The authors' code is `automl/SPaCE` (commit 396555d, `src/baselines_spl.py`); the port is that of ProCuRL's authors.
+//! The authors' code is `automl/SPaCE` (commit 396555d, `src/baselines_spl.py`); the port is that of
+//! ProCuRL's authors.
 //!
-//! - The set grows when progress *stagnates*, as in the authors' code; TEACH's summary reads the other way round.
-//! - Goals rank by improvement, V_i(t) − V_i(t−1), as in ProCuRL's port of SPaCE. That is `improvement` in the
-//!   authors' code; its default and its run scripts use `absolute`, lowest V first.
-//! - An update falls due every 2048 environment steps (`update_steps`), which is `fixed` in the authors' code, and
-//!   is made at the next start of an episode by networks that have learned since the last update. Their default
-//!   waits 100 K steps, and the port one rollout of PPO, 1024 to 5120 steps. With 2048, a budget of 1M steps has
-//!   room for 488 updates, and κ = 1 for a set of at most 488 goals; 400,000 steps have room for 195.
+//! - The set grows when progress *stagnates*, as in the authors' code; TEACH's summary reads the other way
+//!   round.
+//! - Goals rank by improvement, V_i(t) − V_i(t−1), as in ProCuRL's port of SPaCE. That is `improvement` in
+//!   the authors' code; its default and its run scripts use `absolute`, lowest V first.
+//! - An update falls due every 2048 environment steps (`update_steps`), which is `fixed` in the authors'
+//!   code, and is made at the next start of an episode by networks that have learned since the last update.
+//!   Their default waits 100 K steps, and the port one rollout of PPO, 1024 to 5120 steps. With 2048, a
+//!   budget of 1M steps has room for 488 updates, and κ = 1 for a set of at most 488 goals; 400,000 steps
+//!   have room for 195.
 //! - The first set is the first goal of the pool (drawn at random, so any would do).
-//! - The first update has nothing to compare with: K stays, and goals rank as if their values had been 0 before,
-//!   highest V first, as in the authors' code. Their growth test then compares with 0, and fails unless the mean is
-//!   0 itself.
-//! - The authors' code compares with η |m_t|, having overwritten m_{t−1} just before. Here it is η |m_{t−1}|, as in
-//!   the port (which asks for <, where this and the authors' code ask for ≤).
-//! - With `reference`, m_{t−1} is measured from the same states as m_t; it is the mean over the set that was trained on
-//!   before the last update.
-//! - K grows by exactly κ. In the authors' code the size is a fraction of the pool, rounded up, and now and then
-//!   leaps by two.
-//! - After place i of the set comes place (i + 1) mod K, with the K of that moment, also across updates, as in the
-//!   authors' code. There, measuring m and starting to train again take turns of their own. A counter of all
-//!   episodes modulo a K that grows would never fall on some places.
+//! - The first update has nothing to compare with: K stays, and goals rank as if their values had been 0
+//!   before, highest V first, as in the authors' code. Their growth test then compares with 0, and fails
+//!   unless the mean is 0 itself.
+//! - The authors' code compares with η |m_t|, having overwritten m_{t−1} just before. Here it is η |m_{t−1}|,
+//!   as in the port (which asks for <, where this and the authors' code ask for ≤).
+//! - With `reference`, m_{t−1} is measured from the same states as m_t; it is the mean over the set that was
+//!   trained on before the last update.
+//! - K grows by exactly κ. In the authors' code the size is a fraction of the pool, rounded up, and now and
+//!   then leaps by two.
+//! - After place i of the set comes place (i + 1) mod K, with the K of that moment, also across updates, as
+//!   in the authors' code. There, measuring m and starting to train again take turns of their own. A counter
+//!   of all episodes modulo a K that grows would never fall on some places.
 //! - `relative` divides by |V_i(t−1)|. The authors' code divides by V_i(t−1), which turns the order round for
-//!   negative values, and at the first update by 0, which leaves the sign of V_i alone. Here the first update ranks
-//!   like `signed`. Later, a goal that declines from exactly 0 ranks last, one that rises from it first.
-//! - V_i is the confidence from states of the replay buffer, held between two updates ([`Probe`](crate::Probe)). In
-//!   the authors' code it is the value of the instance's own start. With `initial` it is that of the coming
-//!   episode, and V_i(t) and V_i(t−1) belong to two starts wherever starts are random.
+//!   negative values, and at the first update by 0, which leaves the sign of V_i alone. Here the first update
+//!   ranks like `signed`. Later, a goal that declines from exactly 0 ranks last, one that rises from it
+//!   first.
+//! - V_i is the confidence from states of the replay buffer, held between two updates
+//!   ([`Probe`](crate::Probe)). In the authors' code it is the value of the instance's own start. With
+//!   `initial` it is that of the coming episode, and V_i(t) and V_i(t−1) belong to two starts wherever starts
+//!   are random.
 //! - The critic is the student's own Q at the greedy action, in place of the V of the authors' TRPO and PPO.
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 
 use std::sync::Arc;
 
-use agents::{Episode, Network};
+use agents::Episode;
 use envs::Goals;
 use looks::colours::PURPLE;
 use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Rank, Setting, Statistics};
+use crate::curriculum::{Lesson, Proposal, Rank, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::method::Method;
 use crate::pool_state::PoolState;
-use crate::probe::{Answer, ProbeConfig, StateSource};
-use crate::registry::Method;
+use crate::probe::{Answer, ProbeConfig};
 use crate::snapshot;
+use crate::state::PlainState;
 
-/// Version of [`State`] in saved bytes.
-const VERSION: u32 = 3;
 /// Updates compare V(t) with V(t−1).
 const COMPARED: usize = 2;
 
 /// SPaCE's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
 pub struct SpaceConfig {
     /// η, relative change of the set's mean value that still counts as stagnation; finite, at least 0.
     /// Authors' code: 0.1.
     pub eta: f64,
     /// κ, goals added when progress stagnates; at least 1. Authors' code: 1.
     pub kappa: usize,
-    /// What ranks goals for the set: `signed` (choice), `absolute` (default of the authors' code) or `relative`.
+    /// What ranks goals for the set: `signed` (choice), `absolute` (default of the authors' code) or
+    /// `relative`.
     pub order: Order,
     /// Environment steps between two updates of the set; at least 1. Authors' code: 2048.
     pub update_steps: u64,
-    /// Networks that answer: `online` (choice), `target` or `target-critic`.
-    pub confidence: Network,
-    /// States that C(g) averages over: `reference` (choice), `replay` or `initial`.
-    pub states: StateSource,
-    /// Number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
-    pub replay_states: usize,
-    /// Updates after which `reference` begins with other states; at least 2. Choice: 100.
-    pub renewal: u64,
+    /// How C(g) is measured. Networks: `online` (choice), `target` or `target-critic`. States: `reference`
+    /// (choice), `replay` or `initial`. Its evaluations are the updates, and a `renewal` below 2 is refused.
+    #[serde(flatten)]
+    pub probe: ProbeConfig,
 }
 
 /// What ranks goals, best first.
@@ -98,23 +99,7 @@ pub enum Order {
 
 impl Default for SpaceConfig {
     fn default() -> Self {
-        Self {
-            eta: 0.1,
-            kappa: 1,
-            order: Order::Signed,
-            update_steps: 2048,
-            confidence: Network::Online,
-            states: StateSource::Reference,
-            replay_states: 8,
-            renewal: 100,
-        }
-    }
-}
-
-impl SpaceConfig {
-    fn probe(&self) -> ProbeConfig {
-        let Self { confidence: network, states, replay_states, renewal, .. } = *self;
-        ProbeConfig { network, states, replay_states, renewal }
+        Self { eta: 0.1, kappa: 1, order: Order::Signed, update_steps: 2048, probe: ProbeConfig::default() }
     }
 }
 
@@ -159,14 +144,11 @@ pub fn next_turn(last: Option<usize>, size: usize) -> usize {
 pub struct Space {
     config: SpaceConfig,
     pool: Arc<Goals>,
-    state: State,
-    /// The last goal's score and place.
-    choice: Option<Choice>,
 }
 
 /// Everything that changes while teaching.
 #[derive(Serialize, Deserialize)]
-struct State {
+pub struct SpaceState {
     common: PoolState,
     /// The K goals of the set with the scores that they were ranked by, best first.
     set: Vec<(usize, f64)>,
@@ -180,35 +162,8 @@ struct State {
     mean: f64,
 }
 
-impl Method for Space {
-    type Config = SpaceConfig;
-    const ID: &'static str = "space";
-    const TITLE: &'static str = "SPaCE";
-    const LOOK: Option<Look> = Some(Look::new(PURPLE, Dash::DashDot, Marker::Diamond));
-    const SOURCE: &'static str =
-        "Eimer et al., Self-Paced Context Evaluation for Contextual Reinforcement Learning, ICML 2021";
-    const USES_POOL: bool = true;
-
-    fn check(config: &SpaceConfig) -> Result<(), CurriculumError> {
-        let ok = config.eta.is_finite() && config.eta >= 0.0;
-        CurriculumError::require(ok, "eta", "finite and at least 0", config.eta)?;
-        CurriculumError::require(config.kappa >= 1, "kappa", "at least 1", config.kappa)?;
-        CurriculumError::require(
-            config.update_steps >= 1,
-            "update_steps",
-            "at least 1",
-            config.update_steps,
-        )?;
-        config.probe().check(COMPARED)
-    }
-
-    fn build(config: SpaceConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        let pool = Arc::clone(&setting.pool);
-        let common = PoolState::new(Distribution::uniform_over(&[0], pool.len()), COMPARED);
-        let set = vec![(0, 0.0)];
-        let state = State { common, set, compared: Vec::new(), turn: None, steps: 0, mean: f64::NAN };
-        Ok(Box::new(Self { config, pool, state, choice: None }))
-    }
+impl PlainState for SpaceState {
+    const VERSION: u32 = 3;
 }
 
 /// The mean of the values of `goals`, of which there is at least one.
@@ -217,8 +172,9 @@ fn mean_over(goals: impl ExactSizeIterator<Item = usize>, values: &[f64]) -> f64
     goals.map(|goal| values[goal]).sum::<f64>() / n
 }
 
-impl State {
-    /// Algorithm 1's update from the newest values and those before: grow the set if progress stagnates, then choose it anew.
+impl SpaceState {
+    /// Algorithm 1's update from the newest values and those before: grow the set if progress stagnates, then
+    /// choose it anew.
     fn update(&mut self, config: &SpaceConfig) {
         let window = self.common.probe.window();
         let values = window.last().expect("an update follows an evaluation");
@@ -240,7 +196,7 @@ impl State {
 
     /// Whether all of it belongs to a pool of `goals`.
     fn check(&self, goals: usize) -> Result<(), CurriculumError> {
-        self.common.check(goals, COMPARED)?;
+        self.common.probe.check(goals, COMPARED)?;
         let members = self.set.iter().map(|(goal, _)| goal).chain(&self.compared);
         let updated = self.common.probe.window().last().is_some();
         let valid = !self.set.is_empty()
@@ -255,12 +211,39 @@ impl State {
     }
 }
 
-impl Curriculum for Space {
-    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let Self { config, pool, state, choice } = self;
+impl Method for Space {
+    type Config = SpaceConfig;
+    type State = SpaceState;
+    const ID: &'static str = "space";
+    const TITLE: &'static str = "SPaCE";
+    const LOOK: Option<Look> = Some(Look::new(PURPLE, Dash::DashDot, Marker::Diamond));
+    const SOURCE: &'static str =
+        "Eimer et al., Self-Paced Context Evaluation for Contextual Reinforcement Learning, ICML 2021";
+    const USES_POOL: bool = true;
+
+    fn check(config: &SpaceConfig) -> Result<(), CurriculumError> {
+        let SpaceConfig { eta, kappa, update_steps, .. } = *config;
+        CurriculumError::require(eta.is_finite() && eta >= 0.0, "eta", "finite and at least 0", eta)?;
+        CurriculumError::require(kappa >= 1, "kappa", "at least 1", kappa)?;
+        CurriculumError::require(update_steps >= 1, "update_steps", "at least 1", update_steps)?;
+        config.probe.check(COMPARED)
+    }
+
+    fn build(config: SpaceConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { config, pool: Arc::clone(&setting.pool) })
+    }
+
+    fn begin(&self, _setting: &Setting) -> Result<SpaceState, CurriculumError> {
+        let common = PoolState::new(Distribution::uniform_over(&[0], self.pool.len()), COMPARED);
+        let set = vec![(0, 0.0)];
+        Ok(SpaceState { common, set, compared: Vec::new(), turn: None, steps: 0, mean: f64::NAN })
+    }
+
+    fn propose(&self, state: &mut SpaceState, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        let Self { config, pool } = self;
         // An update that finds nothing new (no states yet, networks that stand still) stays due.
         if state.steps >= config.update_steps
-            && state.common.probe.ask(&config.probe(), pool, lesson, false)? == Answer::Recorded
+            && state.common.probe.ask(&config.probe, pool, lesson, false)? == Answer::Recorded
         {
             state.steps %= config.update_steps;
             state.update(config);
@@ -268,40 +251,23 @@ impl Curriculum for Space {
         let place = next_turn(state.turn, state.set.len());
         state.turn = Some(place);
         let (goal, score) = state.set[place];
-        *choice = Some(Choice { score, rank: Some(Rank { place, of: state.set.len() }) });
-        Ok(Proposal::Pool(goal))
+        Ok(Proposal::pool(goal).scored(score).ranked(Rank { place, of: state.set.len() }))
     }
 
-    fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
-        self.state.steps = self.state.steps.saturating_add(episode.actions.len() as u64);
+    fn observe(&self, state: &mut SpaceState, episode: &Episode) -> Result<(), CurriculumError> {
+        state.steps = state.steps.saturating_add(episode.actions.len() as u64);
         Ok(())
     }
 
-    fn choice(&self) -> Option<Choice> {
-        self.choice
+    fn summary<'a>(&'a self, state: &'a SpaceState) -> TeacherSummary<'a> {
+        let mut summary = state.common.summary();
+        summary.statistics.push(("set_size", state.set.len() as f64));
+        summary.statistics.push(("set_confidence", state.mean));
+        summary
     }
 
-    fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.common.curriculum.probabilities())
-    }
-
-    fn statistics(&self) -> Statistics {
-        let state = &self.state;
-        let mut statistics = state.common.statistics();
-        statistics.push(("set_size", state.set.len() as f64));
-        statistics.push(("set_confidence", state.mean));
-        statistics
-    }
-
-    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
-        Ok(snapshot::save(Self::ID, VERSION, &self.state))
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        state.check(self.pool.len())?;
-        self.state = state;
-        Ok(())
+    fn check_state(&self, state: &SpaceState) -> Result<(), CurriculumError> {
+        state.check(self.pool.len())
     }
 }
 

@@ -1,94 +1,86 @@
 //! TEACH: train on the goals whose value is moving (Chaudhary and Behera, "TEACH: Temporal Variance-Driven
 //! Curriculum for Reinforcement Learning", arXiv 2512.22824, Algorithm 2).
 //!
-//! While the student learns to reach a goal, the critic's value of that goal changes; for goals it has mastered
-//! and goals out of its reach the value stands still. So the teacher records the policy confidence C(g) of
-//! every goal of the pool whenever the networks have changed (Eq. 7, [`Probe`](crate::Probe)), keeps the last n records
-//! ([`Window`]), takes each goal's variance over them, δ_i (Eq. 8-9), and draws goals from the curriculum K(g_i) = δ_i / Σδ
-//! (Eq. 10-11, [`Distribution::proportional`]).
+//! While the student learns to reach a goal, the critic's value of that goal changes; for goals it has
+//! mastered and goals out of its reach the value stands still. So the teacher records the policy confidence
+//! C(g) of every goal of the pool whenever the networks have changed (Eq. 7, [`Probe`](crate::Probe)), keeps
+//! the last n records ([`Window`]), takes each goal's variance over them, δ_i (Eq. 8-9), and draws goals from
+//! the curriculum K(g_i) = δ_i / Σδ (Eq. 10-11, [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
-//! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states, the
-//!   paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so that δ moves
-//!   with the networks and their input normalisers alone, not with the sample. Every 100 evaluations others take
-//!   over, the first time after 100 and a window of them, without the window ever comparing different states. The
-//!   first come from the first episode alone, as the buffer holds nothing else yet. `replay` draws afresh at every
-//!   evaluation, Eq. 7 to the letter by Monte
-//!   Carlo, which adds Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of
-//!   D; where starts are random they move δ, too.
+//! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states,
+//!   the paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so
+//!   that δ moves with the networks and their input normalisers alone, not with the sample. Every 100
+//!   evaluations others take over, the first time after 100 and a window of them, without the window ever
+//!   comparing different states. The first come from the first episode alone, as the buffer holds nothing
+//!   else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte Carlo, which adds
+//!   Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of D; where
+//!   starts are random they move δ, too.
 //! - Eq. 7 has no clip, so values count as they are. An untrained critic's may lie outside [−1/(1−γ), 0].
-//! - Eq. 8's k runs over the time of Algorithm 2, where every environment step brings an update of the student.
-//!   Here the student learns once per cycle, so a window of n environment steps would nearly always hold n equal
-//!   values. A value is therefore recorded once per change of the networks (`record = "cycle"`): n = 10 spans ten
-//!   cycles, which at the student's defaults are 20 episodes (1,000 steps where H = 50) and 400 gradient steps; in
-//!   the paper it spans ten steps.
-//! - Δ says only how often the curriculum is computed from the last n values. `record = "evaluation"` records only
-//!   when Δ is due, which stretches the window with Δ. With a cycle of two episodes Δ = 1 and Δ = 2 come to the
-//!   same, except under `initial`.
-//! - Algorithm 2 speaks of a target goal at every step, section 5.2 of one at the beginning of each episode: here
-//!   the latter, also for Δ > 1, where every episode draws anew from the last curriculum.
-//! - Under `initial` a second episode of a cycle may have another start. If the curriculum is due, the newest value
-//!   is then taken anew from there.
-//! - The variance (1/n, as in Eq. 8) is taken over the values there are, also while the window still fills up. With
-//!   fewer than two, or when no value moves beyond rounding, the curriculum is uniform; the paper says nothing
-//!   about either.
+//! - Eq. 8's k runs over the time of Algorithm 2, where every environment step brings an update of the
+//!   student. Here the student learns once per cycle, so a window of n environment steps would nearly always
+//!   hold n equal values. A value is therefore recorded once per change of the networks (`record = "cycle"`):
+//!   n = 10 spans ten cycles, which at the student's defaults are 20 episodes (1,000 steps where H = 50) and
+//!   400 gradient steps; in the paper it spans ten steps.
+//! - Δ says only how often the curriculum is computed from the last n values. `record = "evaluation"` records
+//!   only when Δ is due, which stretches the window with Δ. With a cycle of two episodes Δ = 1 and Δ = 2 come
+//!   to the same, except under `initial`.
+//! - Algorithm 2 speaks of a target goal at every step, section 5.2 of one at the beginning of each episode:
+//!   here the latter, also for Δ > 1, where every episode draws anew from the last curriculum.
+//! - Under `initial` a second episode of a cycle may have another start. If the curriculum is due, the newest
+//!   value is then taken anew from there.
+//! - The variance (1/n, as in Eq. 8) is taken over the values there are, also while the window still fills
+//!   up. With fewer than two, or when no value moves beyond rounding, the curriculum is uniform; the paper
+//!   says nothing about either.
 //! - A curriculum that falls due before there is anything to measure is computed as soon as there is.
 //! - Eq. 11 draws goals in proportion to K, section 5.2 assigns "the goal with maximum temporal uncertainty":
 //!   `selection`. With `argmax`, ties are drawn evenly.
-//! - Eq. 9 integrates over the goal space; N goals stand for it (Eq. 10), drawn once at the start of training. The
-//!   paper draws them uniformly; here they come from the environment's own goal distribution, which is not uniform
-//!   everywhere.
-//! - Section 5.4 smooths the value function by Eq. 12 and does not say whose action it judges. `target-critic`
-//!   takes the trained policy's, `target` that of an averaged policy.
-//! - `signal = "difference"` is a control: the size of the change between the last two values. Section 4.3 argues
-//!   against it.
+//! - Eq. 9 integrates over the goal space; N goals stand for it (Eq. 10), drawn once at the start of
+//!   training. The paper draws them uniformly; here they come from the environment's own goal distribution,
+//!   which is not uniform everywhere.
+//! - Section 5.4 smooths the value function by Eq. 12 and does not say whose action it judges.
+//!   `target-critic` takes the trained policy's, `target` that of an averaged policy.
+//! - `signal = "difference"` is a control: the size of the change between the last two values. Section 4.3
+//!   argues against it.
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 
 use std::sync::Arc;
 
-use agents::Network;
 use envs::Goals;
 use looks::colours::VERMILION;
 use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::pool_state::PoolState;
-use crate::probe::{Answer, ProbeConfig, StateSource};
-use crate::registry::Method;
-use crate::snapshot;
+use crate::method::Method;
+use crate::pool_state::ScoredPool;
+use crate::probe::{Answer, ProbeConfig};
+use crate::state::PlainState;
 use crate::variance::rounding;
 use crate::window::Window;
 
-/// Version of [`State`] in saved bytes.
-const VERSION: u32 = 3;
-
 /// TEACH's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
 pub struct TeachConfig {
     /// n, values in the window; at least 2. Paper: 10, and 3 in Figure 3.
     pub window: usize,
     /// Δ, episodes between two computations of the curriculum; at least 1. Paper: 1.
     pub interplay: u64,
-    /// When a value of every goal is recorded: `cycle` (whenever the networks have changed) or `evaluation` (when Δ is due).
+    /// When a value of every goal is recorded: `cycle` (whenever the networks have changed) or `evaluation`
+    /// (when Δ is due).
     pub record: Recording,
     /// What counts as progress: `variance` (Eq. 8) or `difference` (a control).
     pub signal: Signal,
-    /// Networks that answer: `online` (paper), `target-critic` (Figure 3: the smooth value of the policy's action) or `target`
-    /// (both averaged).
-    pub confidence: Network,
-    /// States that C(g) averages over: `reference` (default) or `replay` (both after the paper's D), or `initial`.
-    pub states: StateSource,
-    /// M, number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
-    pub replay_states: usize,
-    /// Evaluations after which `reference` begins with other states; at least n. Choice: 100.
-    pub renewal: u64,
+    /// How C(g) is measured. Networks: `online` (paper), `target-critic` (Figure 3: the smooth value of the
+    /// policy's action) or `target` (both averaged). States: `reference` (default) or `replay` (both after
+    /// the paper's D), or `initial`. A `renewal` below n is refused.
+    #[serde(flatten)]
+    pub probe: ProbeConfig,
     /// `proportional` (Eq. 11) or `argmax` (section 5.2).
-    pub selection: Selection,
+    pub selection: TeachSelection,
 }
 
 /// A field of a method's config that its paper varies in an ablation.
@@ -167,7 +159,7 @@ impl Signal {
         }
     }
 
-    /// The progress that comes of rounding alone, of values down to `lowest`.
+    /// The progress that rounding alone causes, in values down to `lowest`.
     fn negligible(self, lowest: f64) -> f64 {
         match self {
             Self::Variance => rounding(lowest).powi(2),
@@ -179,7 +171,7 @@ impl Signal {
 /// How TEACH turns the curriculum K into a goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Selection {
+pub enum TeachSelection {
     /// A draw from K.
     #[default]
     Proportional,
@@ -194,28 +186,21 @@ impl Default for TeachConfig {
             interplay: 1,
             record: Recording::Cycle,
             signal: Signal::Variance,
-            confidence: Network::Online,
-            states: StateSource::Reference,
-            replay_states: 8,
-            renewal: 100,
-            selection: Selection::Proportional,
+            probe: ProbeConfig::default(),
+            selection: TeachSelection::Proportional,
         }
     }
 }
 
 impl TeachConfig {
-    fn probe(&self) -> ProbeConfig {
-        let Self { confidence: network, states, replay_states, renewal, .. } = *self;
-        ProbeConfig { network, states, replay_states, renewal }
-    }
-
-    /// K: in proportion to each goal's `progress`, shape `[N]`, or all on the largest; of values down to `lowest`.
+    /// K: in proportion to each goal's `progress`, shape `[N]`, or all on the largest; of values down to
+    /// `lowest`.
     fn curriculum(&self, progress: &[f64], lowest: f64) -> Result<Distribution, CurriculumError> {
         let proportional =
             Distribution::proportional(progress, self.signal.negligible(lowest), "learning progress")?;
         match self.selection {
-            Selection::Proportional => Ok(proportional),
-            Selection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
+            TeachSelection::Proportional => Ok(proportional),
+            TeachSelection::Argmax => Distribution::argmax(proportional.probabilities(), "curriculum"),
         }
     }
 }
@@ -224,25 +209,26 @@ impl TeachConfig {
 pub struct Teach {
     config: TeachConfig,
     pool: Arc<Goals>,
-    state: State,
-    /// The last goal's progress.
-    choice: Option<Choice>,
 }
 
 /// Everything that changes while teaching.
 #[derive(Serialize, Deserialize)]
-struct State {
+pub struct TeachState {
     /// Goals proposed so far.
     episodes: u64,
     /// Whether a curriculum has fallen due that could not be computed yet.
     due: bool,
-    common: PoolState,
-    /// The progress of every goal, shape `[N]`, that the curriculum was computed from; empty before the first.
-    progress: Vec<f64>,
+    /// The curriculum, and the progress of every goal that it was computed from.
+    scored: ScoredPool,
+}
+
+impl PlainState for TeachState {
+    const VERSION: u32 = 3;
 }
 
 impl Method for Teach {
     type Config = TeachConfig;
+    type State = TeachState;
     const ID: &'static str = "teach";
     const TITLE: &'static str = "TEACH";
     const LOOK: Option<Look> = Some(Look::new(VERMILION, Dash::Solid, Marker::Circle));
@@ -252,65 +238,42 @@ impl Method for Teach {
     fn check(config: &TeachConfig) -> Result<(), CurriculumError> {
         CurriculumError::require(config.window >= 2, "window", "at least 2", config.window)?;
         CurriculumError::require(config.interplay >= 1, "interplay", "at least 1", config.interplay)?;
-        config.probe().check(config.window)
+        config.probe.check(config.window)
     }
 
-    fn build(config: TeachConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        let pool = Arc::clone(&setting.pool);
-        let common = PoolState::new(Distribution::uniform(pool.len()), config.window);
-        Ok(Box::new(Self {
-            config,
-            pool,
-            state: State { episodes: 0, due: false, common, progress: Vec::new() },
-            choice: None,
-        }))
+    fn build(config: TeachConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { config, pool: Arc::clone(&setting.pool) })
     }
-}
 
-impl Curriculum for Teach {
-    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let Self { config, pool, state, choice } = self;
-        state.due |= state.episodes.is_multiple_of(config.interplay);
-        state.episodes += 1;
-        if state.due || config.record == Recording::Cycle {
-            let answer = state.common.probe.ask(&config.probe(), pool, lesson, state.due)?;
-            if state.due && answer != Answer::NoStates {
-                state.due = false;
-                let window = state.common.probe.window();
-                state.progress = config.signal.of(window);
+    fn begin(&self, _setting: &Setting) -> Result<TeachState, CurriculumError> {
+        let scored = ScoredPool::new(self.pool.len(), self.config.window);
+        Ok(TeachState { episodes: 0, due: false, scored })
+    }
+
+    fn propose(&self, state: &mut TeachState, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        let Self { config, pool } = self;
+        let TeachState { episodes, due, scored } = state;
+        *due |= episodes.is_multiple_of(config.interplay);
+        *episodes += 1;
+        if *due || config.record == Recording::Cycle {
+            let answer = scored.common.probe.ask(&config.probe, pool, lesson, *due)?;
+            if *due && answer != Answer::NoStates {
+                *due = false;
+                let window = scored.common.probe.window();
+                scored.scores = config.signal.of(window);
                 // Values that no return can have are rounded more coarsely.
                 let lowest = lesson.student.lowest_value().min(-window.magnitude());
-                state.common.curriculum = config.curriculum(&state.progress, lowest)?;
+                scored.common.curriculum = config.curriculum(&scored.scores, lowest)?;
             }
         }
-        let goal = state.common.curriculum.draw(lesson.rng);
-        *choice = state.progress.get(goal).map(|&score| Choice { score, rank: None });
-        Ok(Proposal::Pool(goal))
+        Ok(scored.propose(lesson.rng))
     }
 
-    fn choice(&self) -> Option<Choice> {
-        self.choice
+    fn summary<'a>(&'a self, state: &'a TeachState) -> TeacherSummary<'a> {
+        state.scored.common.summary()
     }
 
-    fn weights(&self) -> Option<&[f64]> {
-        Some(self.state.common.curriculum.probabilities())
-    }
-
-    fn statistics(&self) -> Statistics {
-        self.state.common.statistics()
-    }
-
-    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
-        Ok(snapshot::save(Self::ID, VERSION, &self.state))
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        state.common.check(self.pool.len(), self.config.window)?;
-        if !state.progress.is_empty() {
-            snapshot::require_goals(state.progress.len(), self.pool.len())?;
-        }
-        self.state = state;
-        Ok(())
+    fn check_state(&self, state: &TeachState) -> Result<(), CurriculumError> {
+        state.scored.check(self.pool.len(), self.config.window)
     }
 }

@@ -1,39 +1,45 @@
-//! VDS: train on the goals whose value an ensemble disagrees on (Zhang, Abbeel and Pinto, "Automatic Curriculum
-//! Learning through Value Disagreement", NeurIPS 2020, Algorithm 1).
+//! VDS: train on the goals whose value an ensemble disagrees on (Zhang, Abbeel and Pinto, "Automatic
+//! Curriculum Learning through Value Disagreement", NeurIPS 2020, Algorithm 1).
 //!
-//! At the frontier of what the student can do, value functions trained on the same experience from different initial
-//! weights still differ; for mastered goals and for goals out of reach they agree. So E critics learn the value of
-//! the student's policy, each from batches of its own ([`agents::Ensemble`]). For the coming episode, candidate goals are
-//! drawn afresh from the environment, Q_e(s0, g, π(s0, g)) is taken of each by every member, and one candidate is
-//! drawn in proportion to the members' disagreement ([`Disagreement`], [`Distribution::proportional`]).
+//! At the frontier of what the student can do, value functions trained on the same experience from different
+//! initial weights still differ; for mastered goals and for goals out of reach they agree. So E critics learn
+//! the value of the student's policy, each from batches of its own ([`agents::Ensemble`]). For the coming
+//! episode, candidate goals are drawn afresh from the environment, Q_e(s0, g, π(s0, g)) is taken of each by
+//! every member, and one candidate is drawn in proportion to the members' disagreement ([`Disagreement`],
+//! [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
 //! The authors' code is `zzyunzhi/vds` (commit a29fc5a, `baselines/`).
 //!
-//! - How much the ensemble learns: the authors' README runs `baselines.ve_run`, which after every single episode
-//!   takes 100 steps of 1000 transitions per member, then 40 steps of 256 of the student. The student's preset
-//!   `official` does the same. Else the ensemble takes 40 steps per cycle on batches of the student's size, as
-//!   `vds_config` does, which `baselines.goalenv_run` reads (there two episodes per cycle, and batches of 256 for
-//!   both).
-//! - The ensemble's experience is the student's buffer, read without hindsight: every transition with the goal that
-//!   was asked for. The authors' code keeps a second buffer of the same size with the same episodes.
-//! - Members have the student's architecture, γ and input clipping, as in the authors' code; batch size and Polyak
-//!   coefficient follow the student unless given.
-//! - The ensemble trains after the student in each cycle, not before, so next actions come from the newer policy.
-//! - Candidates are drawn by [`envs::GoalEnv::sample_goal`], as the environment draws goals for the start at hand.
-//!   The authors' code draws them from another instance, which is reset once at the beginning. That matters where
-//!   goals depend on the start (HandManipulate*): here candidates are conditional on it, as native goals are.
-//! - Before it has learned, the ensemble's initial weights disagree by chance; like the authors' code this does not
-//!   wait for it to learn.
+//! - How much the ensemble learns: the authors' README runs `baselines.ve_run`, which after every single
+//!   episode takes 100 steps of 1000 transitions per member, then 40 steps of 256 of the student. The
+//!   student's preset `official` does the same. Else the ensemble takes 40 steps per cycle on batches of the
+//!   student's size, as `vds_config` does, which `baselines.goalenv_run` reads (there two episodes per cycle,
+//!   and batches of 256 for both).
+//! - The ensemble's experience is the student's buffer, read without hindsight: every transition with the
+//!   goal that was asked for. The authors' code keeps a second buffer of the same size with the same
+//!   episodes.
+//! - Members have the student's architecture, γ and input clipping, as in the authors' code; batch size and
+//!   Polyak coefficient follow the student unless given.
+//! - The ensemble trains after the student in each cycle, not before, so next actions come from the newer
+//!   policy.
+//! - Candidates are drawn by [`envs::GoalSource::sample_goal`], as the environment draws goals for the start
+//!   at hand. The authors' code draws them from another instance, which is reset once at the beginning. That
+//!   matters where goals depend on the start (HandManipulate*): here candidates are conditional on it, as
+//!   native goals are.
+//! - Before it has learned, the ensemble's initial weights disagree by chance; like the authors' code this
+//!   does not wait for it to learn.
 //! - Next and candidate actions come from the online policy, and candidates are judged by the online members,
 //!   clipped to [−1/(1−γ), 0], from the start of the coming episode: all as in the authors' code.
-//! - Where the members' values differ by rounding alone, the draw under `std`, `var` and `tanh` is uniform, in
-//!   place of one in proportion to rounding ([`Disagreement::negligible`]). The authors' code is uniform where the
-//!   sum over candidates is below 1e-8. `exp` gives agreement the weight 1, so there it needs no rule.
-//! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is an
-//!   error.
-//! - Inputs are normalised by the states and goals of the transitions as they came, without hindsight. The authors'
-//!   code draws as many transitions of each cycle's episodes with replacement; here every one counts once.
+//! - Where the members' values differ by rounding alone, the draw under `std`, `var` and `tanh` is uniform,
+//!   in place of one in proportion to rounding ([`Disagreement::negligible`]). The authors' code is uniform
+//!   where the sum over candidates is below 1e-8. `exp` gives agreement the weight 1, so there it needs no
+//!   rule.
+//! - exp overflows for a standard deviation above 709. That takes values below −1418, so γ > 0.9992, and is
+//!   an error.
+//! - Inputs are normalised by the states and goals of the transitions as they came, without hindsight. The
+//!   authors' code draws as many transitions of each cycle's episodes with replacement; here every one counts
+//!   once.
 
 use agents::{
     AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Episode, Network, Preset, StudentConfig,
@@ -44,19 +50,16 @@ use looks::colours::BLUE;
 use looks::{Dash, Look, Marker};
 use serde::{Deserialize, Serialize};
 
-use crate::curriculum::{Choice, Curriculum, Lesson, Proposal, Setting, Statistics};
+use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::registry::Method;
+use crate::method::Method;
 use crate::snapshot;
+use crate::state::TeacherState;
 use crate::variance::{population_variance, rounding};
-
-/// Version of [`State`] in saved bytes.
-const VERSION: u32 = 2;
 
 /// VDS's options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
 pub struct VdsConfig {
     /// E, critics in the ensemble; 2 to 64. Paper: 3.
     pub members: usize,
@@ -64,10 +67,12 @@ pub struct VdsConfig {
     pub candidates: usize,
     /// What disagreement is: `std` (paper), `var`, `tanh` or `exp`.
     pub disagreement: Disagreement,
-    /// Gradient steps of every member per cycle of the student; 1 to 1,000,000. Auto: 40 (authors' `vds_config`); with
-    /// `student.preset = "official"` 100, after every single episode (the path that the authors' README runs).
+    /// Gradient steps of every member per cycle of the student; 1 to 1,000,000. Auto: 40 (authors'
+    /// `vds_config`); with `student.preset = "official"` 100, after every single episode (the path that the
+    /// authors' README runs).
     pub updates_per_cycle: Auto<usize>,
-    /// Transitions per gradient step and member; 1 to 65,536. Auto: the student's; with `student.preset = "official"` 1000.
+    /// Transitions per gradient step and member; 1 to 65,536. Auto: the student's; with
+    /// `student.preset = "official"` 1000.
     pub batch: Auto<usize>,
     /// Adam's step size; positive and finite. Authors' code: 1e-3.
     pub learning_rate: f64,
@@ -116,7 +121,7 @@ impl Disagreement {
         }
     }
 
-    /// The disagreement that comes of rounding alone, of values down to `lowest` = −1/(1−γ).
+    /// The disagreement that rounding alone causes, in values down to `lowest` = −1/(1−γ).
     pub fn negligible(self, lowest: f64) -> f64 {
         match self {
             Self::Std => rounding(lowest),
@@ -132,8 +137,8 @@ impl Disagreement {
         (0..values.width()).map(|goal| self.of(values.iter().map(|member| member[goal]))).collect()
     }
 
-    /// The curriculum that follows from every goal's `disagreement`, shape `[n]`: in proportion to it, and uniform where it is
-    /// but rounding of values down to `lowest` = −1/(1−γ).
+    /// The curriculum that follows from every goal's `disagreement`, shape `[n]`: in proportion to it, and
+    /// uniform where it is nothing but the rounding of values down to `lowest` = −1/(1−γ).
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`] if a disagreement is not finite.
@@ -145,12 +150,16 @@ impl Disagreement {
 /// The VDS teacher.
 pub struct Vds {
     config: VdsConfig,
-    ensemble: Ensemble,
+    /// The ensemble that the config asks for beside the student.
+    ensemble: EnsembleConfig,
     /// Gradient steps of every member per cycle of the student.
     updates: usize,
+}
+
+/// Everything that changes while teaching, and buffers that are filled anew whenever they are used.
+pub struct VdsState {
+    ensemble: Ensemble,
     latest: Latest,
-    /// The last goal's disagreement.
-    choice: Option<Choice>,
     /// The transitions of a gradient step, a batch for every member.
     batch: Batch,
     /// Candidate goals, shape `[candidates, G]`.
@@ -159,11 +168,30 @@ pub struct Vds {
     starts: Rows,
 }
 
-/// Everything that changes while teaching.
+/// What is saved of [`VdsState`].
 #[derive(Serialize, Deserialize)]
-struct State {
+struct SavedVds {
     ensemble: Vec<u8>,
     latest: Latest,
+}
+
+impl TeacherState for VdsState {
+    const VERSION: u32 = 2;
+
+    fn write(&self) -> Result<Vec<u8>, CurriculumError> {
+        let Self { ensemble, latest, batch: _, candidates: _, starts: _ } = self;
+        Ok(snapshot::plain_bytes(&SavedVds { ensemble: ensemble.save()?, latest: *latest }))
+    }
+
+    fn read(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
+        let SavedVds { ensemble, latest } = snapshot::from_plain_bytes(bytes)?;
+        self.ensemble.load(&ensemble).map_err(|error| match error {
+            AgentError::State { .. } => snapshot::refuse_because("its ensemble does not fit", error),
+            other => other.into(),
+        })?;
+        self.latest = latest;
+        Ok(())
+    }
 }
 
 /// What happened last, for the records; NaN before it has happened.
@@ -208,8 +236,31 @@ impl VdsConfig {
     }
 }
 
+impl VdsState {
+    /// The disagreement on every one of `n` fresh candidates, shape `[n]`, from the start at hand.
+    fn disagreement(
+        &mut self,
+        kind: Disagreement,
+        n: usize,
+        lesson: &mut Lesson<'_>,
+    ) -> Result<Vec<f64>, CurriculumError> {
+        let mut goal = vec![0.0; self.candidates.width()];
+        self.candidates.clear();
+        self.starts.clear();
+        for _ in 0..n {
+            lesson.goals.sample_goal(lesson.rng, &mut goal);
+            self.candidates.push(&goal);
+            self.starts.push(&lesson.start.state);
+        }
+        let actions = lesson.student.policy(&self.starts, &self.candidates, Network::Online)?;
+        let values = self.ensemble.values(&self.starts, &self.candidates, &actions)?;
+        Ok(kind.over(&values))
+    }
+}
+
 impl Method for Vds {
     type Config = VdsConfig;
+    type State = VdsState;
     const ID: &'static str = "vds";
     const TITLE: &'static str = "VDS";
     const LOOK: Option<Look> = Some(Look::new(BLUE, Dash::Long, Marker::Square));
@@ -220,143 +271,94 @@ impl Method for Vds {
     fn check(config: &VdsConfig) -> Result<(), CurriculumError> {
         let VdsConfig { members, candidates, learning_rate, .. } = *config;
         CurriculumError::require((2..=64).contains(&members), "members", "in 2..=64", members)?;
-        CurriculumError::require(
-            (1..=100_000).contains(&candidates),
-            "candidates",
-            "in 1..=100000",
-            candidates,
-        )?;
+        let ok = (1..=100_000).contains(&candidates);
+        CurriculumError::require(ok, "candidates", "in 1..=100000", candidates)?;
         if let Auto::Value(updates) = config.updates_per_cycle {
-            let accepted = "\"auto\" or in 1..=1000000";
-            CurriculumError::require(
-                (1..=1_000_000).contains(&updates),
-                "updates_per_cycle",
-                accepted,
-                updates,
-            )?;
+            let ok = (1..=1_000_000).contains(&updates);
+            CurriculumError::require(ok, "updates_per_cycle", "\"auto\" or in 1..=1000000", updates)?;
         }
-        let positive = learning_rate > 0.0 && learning_rate.is_finite();
-        CurriculumError::require(positive, "learning_rate", "positive and finite", learning_rate)?;
+        let ok = learning_rate > 0.0 && learning_rate.is_finite();
+        CurriculumError::require(ok, "learning_rate", "positive and finite", learning_rate)?;
         if let Auto::Value(batch) = config.batch {
-            CurriculumError::require(
-                (1..=65_536).contains(&batch),
-                "batch",
-                "\"auto\" or in 1..=65536",
-                batch,
-            )?;
+            let ok = (1..=65_536).contains(&batch);
+            CurriculumError::require(ok, "batch", "\"auto\" or in 1..=65536", batch)?;
         }
         if let Auto::Value(polyak) = config.polyak {
-            CurriculumError::require(
-                (0.0..=1.0).contains(&polyak),
-                "polyak",
-                "\"auto\" or in [0, 1]",
-                polyak,
-            )?;
+            let ok = (0.0..=1.0).contains(&polyak);
+            CurriculumError::require(ok, "polyak", "\"auto\" or in [0, 1]", polyak)?;
         }
         Ok(())
     }
 
-    fn build(config: VdsConfig, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
+    fn build(config: VdsConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        let student = &setting.student;
+        Ok(Self { ensemble: config.ensemble(student), updates: config.updates(student), config })
+    }
+
+    fn begin(&self, setting: &Setting) -> Result<VdsState, CurriculumError> {
         // The teacher's key, but a stream of its own: initial weights share no number with later draws.
         let mut rng = stream(setting.seed, Purpose::Teacher);
         rng.set_stream(1);
         let spec = &setting.spec;
-        let ensemble = Ensemble::new(config.ensemble(&setting.student), &setting.student, spec, &mut rng)?;
-        Ok(Box::new(Self {
+        let ensemble = Ensemble::new(self.ensemble, &setting.student, spec, &mut rng)?;
+        Ok(VdsState {
             batch: Batch::new(spec, ensemble.batch_len()),
-            candidates: Goals::with_capacity(spec.goal, config.candidates),
-            starts: Rows::with_capacity(spec.state, config.candidates),
+            candidates: Goals::with_capacity(spec.goal, self.config.candidates),
+            starts: Rows::with_capacity(spec.state, self.config.candidates),
             latest: Latest::default(),
-            choice: None,
-            updates: config.updates(&setting.student),
             ensemble,
-            config,
-        }))
+        })
     }
-}
 
-impl Vds {
-    /// The disagreement on every candidate, shape `[candidates]`, from the start at hand.
-    fn disagreement(&mut self, lesson: &mut Lesson<'_>) -> Result<Vec<f64>, CurriculumError> {
-        let mut goal = vec![0.0; self.candidates.width()];
-        self.candidates.clear();
-        self.starts.clear();
-        for _ in 0..self.config.candidates {
-            lesson.goals.sample_goal(lesson.rng, &mut goal);
-            self.candidates.push(&goal);
-            self.starts.push(&lesson.start.state);
-        }
-        let actions = lesson.student.policy(&self.starts, &self.candidates, Network::Online)?;
-        let values = self.ensemble.values(&self.starts, &self.candidates, &actions)?;
-        Ok(self.config.disagreement.over(&values))
-    }
-}
-
-impl Curriculum for Vds {
-    fn propose(&mut self, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let disagreement = self.disagreement(lesson)?;
-        let curriculum = self.config.disagreement.curriculum(&disagreement, lesson.student.lowest_value())?;
+    fn propose(&self, state: &mut VdsState, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        let VdsConfig { disagreement: kind, candidates, .. } = self.config;
+        let disagreement = state.disagreement(kind, candidates, lesson)?;
+        let curriculum = kind.curriculum(&disagreement, lesson.student.lowest_value())?;
         let drawn = curriculum.draw(lesson.rng);
-        self.choice = Some(Choice { score: disagreement[drawn], rank: None });
-        self.latest = Latest {
+        let score = disagreement[drawn];
+        state.latest = Latest {
             entropy: curriculum.entropy(),
             effective_goals: curriculum.effective_goals(),
             mean_disagreement: disagreement.iter().sum::<f64>() / disagreement.len() as f64,
             max_disagreement: disagreement.into_iter().fold(0.0, f64::max),
-            ..self.latest
+            ..state.latest
         };
-        Ok(Proposal::Goal(self.candidates.row(drawn).to_vec()))
+        Ok(Proposal::other(state.candidates.row(drawn).to_vec()).scored(score))
     }
 
-    fn choice(&self) -> Option<Choice> {
-        self.choice
-    }
-
-    fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {
-        Ok(self.ensemble.observe(episode)?)
+    fn observe(&self, state: &mut VdsState, episode: &Episode) -> Result<(), CurriculumError> {
+        Ok(state.ensemble.observe(episode)?)
     }
 
     fn learn(
-        &mut self,
+        &self,
+        state: &mut VdsState,
         student: &mut dyn Critic,
         reward: &dyn Reward,
         rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
+        let VdsState { ensemble, batch, latest, .. } = state;
         let mut loss = 0.0;
         for _ in 0..self.updates {
-            student.replay_batch(reward, rng, &mut self.batch)?;
-            student.label_next_actions(&mut self.batch, Network::Online)?;
-            loss += self.ensemble.update(&self.batch)?;
+            student.replay_batch(reward, rng, batch)?;
+            student.label_next_actions(batch, Network::Online)?;
+            loss += ensemble.update(batch)?;
         }
-        self.ensemble.follow()?;
-        self.latest.loss = loss / self.updates as f64;
+        ensemble.follow()?;
+        latest.loss = loss / self.updates as f64;
         Ok(())
     }
 
-    fn statistics(&self) -> Statistics {
-        let Latest { entropy, effective_goals, mean_disagreement, max_disagreement, loss } = self.latest;
-        vec![
+    fn summary<'a>(&'a self, state: &'a VdsState) -> TeacherSummary<'a> {
+        let Latest { entropy, effective_goals, mean_disagreement, max_disagreement, loss } = state.latest;
+        let statistics = vec![
             ("entropy", entropy),
             ("effective_goals", effective_goals),
             ("disagreement_mean", mean_disagreement),
             ("disagreement_max", max_disagreement),
-            ("ensemble_updates", self.ensemble.gradient_steps() as f64),
+            ("ensemble_updates", state.ensemble.gradient_steps() as f64),
             ("ensemble_loss", loss),
-        ]
-    }
-
-    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
-        let state = State { ensemble: self.ensemble.save()?, latest: self.latest };
-        Ok(snapshot::save(Self::ID, VERSION, &state))
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
-        let state: State = snapshot::load(Self::ID, VERSION, bytes)?;
-        self.ensemble.load(&state.ensemble).map_err(|error| match error {
-            AgentError::State { reason } => snapshot::refuse(reason),
-            other => other.into(),
-        })?;
-        self.latest = state.latest;
-        Ok(())
+        ];
+        TeacherSummary { weights: None, statistics }
     }
 }

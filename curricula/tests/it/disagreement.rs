@@ -1,11 +1,11 @@
-//! How far an ensemble's values lie apart, and the curriculum that follows: hand-worked values and degenerate cases.
+//! How far an ensemble's values lie apart, and the curriculum that follows: hand-worked values and degenerate
+//! cases.
 
 use curricula::CurriculumError;
 use curricula::methods::vds::Disagreement;
+use curricula::testing::LOWEST;
 use envs::Rows;
 use proptest::prelude::*;
-
-use crate::support::LOWEST;
 
 const ALL: [Disagreement; 4] = [Disagreement::Std, Disagreement::Var, Disagreement::Tanh, Disagreement::Exp];
 

@@ -1,19 +1,18 @@
 //! The baselines: the environment's own goals, fresh or from the pool.
 
 use curricula::Proposal;
-
-use crate::support::Class;
+use curricula::testing::Class;
 
 #[test]
 fn her_iid_leaves_every_goal_to_the_environment() {
     let mut class = Class::new("her-iid", "", 4, |_, _| 0.0);
     let untouched = class.rng.clone();
     for _ in 0..10 {
-        assert_eq!(class.propose().unwrap(), Proposal::Native);
+        assert_eq!(class.propose().unwrap(), Proposal::native());
         class.learn();
     }
     assert_eq!(class.rng, untouched, "nothing is drawn");
-    assert_eq!(class.teacher.weights(), None);
+    assert_eq!(class.teacher.summary().weights, None);
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! Tests of the teachers through their public interface.
 
+mod axes;
 mod contract;
 mod disagreement;
 mod distribution;
 mod her_iid;
+mod looks;
 mod probe;
 mod procurl;
 mod registry;

@@ -1,9 +1,8 @@
 //! How the teachers that go by confidence ask for it.
 
 use agents::{AgentError, Network};
+use curricula::testing::Class;
 use curricula::{CURRICULA, CurriculumError, Entry};
-
-use crate::support::Class;
 
 const GOALS: usize = 5;
 /// There is a start to measure from before anything is replayed.

@@ -1,6 +1,9 @@
 //! ProCuRL prefers goals of medium difficulty.
 
-use crate::support::{Class, LOWEST, close, entry};
+use curricula::Proposal;
+use curricula::testing::{Class, LOWEST};
+
+use crate::support::{close, entry};
 
 /// p = 0, 0.1, 0.5 and 1 between the lowest value and 0.
 fn graded(goal: usize, _steps: u64) -> f64 {
@@ -87,9 +90,7 @@ fn scores_are_those_of_the_start_at_hand() {
 #[test]
 fn a_choice_is_told_with_its_score() {
     let mut class = Class::new("procurl", "selection = \"argmax\"", 4, graded);
-    assert_eq!(class.propose_index(), 2);
-    let choice = class.teacher.choice().unwrap();
-    assert_eq!((choice.score, choice.rank), (0.25, None));
+    assert_eq!(class.propose().unwrap(), Proposal::pool(2).scored(0.25));
 }
 
 /// Values beyond the bounds count as the bounds.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use curricula::{CURRICULA, Curriculum, CurriculumError, Entry, Lesson, Method, Proposal, Setting};
+use curricula::testing::{Class, contract};
+use curricula::{CURRICULA, CurriculumError, Entry, Lesson, Method, Proposal, Setting};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::support::{Class, entry};
+use crate::support::entry;
 
 #[test]
 fn every_file_of_methods_has_its_row() {
@@ -21,40 +22,46 @@ fn every_file_of_methods_has_its_row() {
     assert_eq!(rows.len(), CURRICULA.len(), "no id occurs twice");
 }
 
-#[test]
-fn defaults_are_complete_and_valid() {
-    for entry in CURRICULA {
-        let defaults = (entry.defaults)();
-        assert_eq!((entry.resolve)(Table::new()).unwrap(), defaults, "{}", entry.id);
-        assert_eq!((entry.resolve)(defaults.clone()).unwrap(), defaults, "{}", entry.id);
-    }
-}
-
 /// What `resolve` says of `field = value`: the field it names, and why.
 fn refusal(entry: &Entry, field: &str, value: Value) -> (String, String) {
     let written = Table::from_iter([(field.to_owned(), value.clone())]);
-    match (entry.resolve)(written) {
+    match entry.resolve(written) {
         Err(CurriculumError::Config { field, reason }) => (field, reason),
         other => panic!("{}: {field} = {value} gives {other:?}", entry.id),
     }
 }
 
 #[test]
-fn a_misspelt_field_is_named() {
-    for entry in CURRICULA {
-        let (field, reason) = refusal(entry, "windoww", 3.into());
-        assert_eq!(field, "windoww", "{}", entry.id);
-        assert!(reason.contains("unknown field"), "{}: {reason}", entry.id);
-    }
+fn a_misspelt_field_is_refused_with_the_names_there_are() {
+    let reason = |id: &str| refusal(entry(id), "windoww", 3.into()).1;
+    assert_eq!(
+        reason("teach"),
+        "unknown field `windoww`, expected one of `window`, `interplay`, `record`, `signal`, `confidence`, \
+         `states`, `replay_states`, `renewal`, `selection`"
+    );
+    assert_eq!(reason("her-iid"), "unknown field `windoww`, there are no fields");
+}
+
+/// The order that `list config` prints, and that runs are recorded with.
+#[test]
+fn shared_fields_stand_where_the_method_has_them() {
+    let fields = |id: &str| (entry(id).defaults)().keys().cloned().collect::<Vec<_>>().join(" ");
+    let probe = "confidence states replay_states renewal";
+    assert_eq!(fields("teach"), format!("window interplay record signal {probe} selection"));
+    assert_eq!(fields("space"), format!("eta kappa order update_steps {probe}"));
+    assert_eq!(fields("procurl"), format!("beta bounds {probe} selection"));
 }
 
 #[test]
-fn a_value_of_another_type_is_named_with_its_field() {
+fn the_order_in_which_fields_are_written_does_not_matter() {
     for entry in CURRICULA {
-        for field in (entry.defaults)().keys() {
-            let (named, reason) = refusal(entry, field, Value::Array(vec![]));
-            assert_eq!(&named, field, "{}: {reason}", entry.id);
-        }
+        let backwards: Table = (entry.defaults)().into_iter().rev().collect();
+        assert_eq!(
+            entry.resolve(backwards).unwrap().to_string(),
+            (entry.defaults)().to_string(),
+            "{}",
+            entry.id
+        );
     }
 }
 
@@ -130,31 +137,8 @@ fn the_ends_of_every_range_are_accepted() {
     for (id, field, values) in cases {
         for value in values {
             let written = Table::from_iter([(field.to_owned(), value.clone())]);
-            let resolved = (entry(id).resolve)(written).unwrap_or_else(|error| panic!("{id}: {error}"));
+            let resolved = entry(id).resolve(written).unwrap_or_else(|error| panic!("{id}: {error}"));
             assert_eq!(&resolved[field], value, "{id}.{field}");
-        }
-    }
-}
-
-#[test]
-fn a_config_is_checked_where_a_teacher_is_built_too() {
-    let setting = Class::new("teach", "", 4, |_, _| 0.0).setting;
-    for (id, written) in [("teach", "window = 1"), ("vds", "members = 1"), ("space", "kapa = 2")] {
-        let built = (entry(id).build)(&written.parse().unwrap(), &setting);
-        assert!(matches!(built.err(), Some(CurriculumError::Config { .. })), "{id}: {written}");
-    }
-}
-
-#[test]
-fn a_pool_method_needs_a_pool() {
-    for entry in CURRICULA {
-        let result = Class::with(entry, "", 0, |_, _| 0.0);
-        match result.err() {
-            None => assert!(!entry.uses_pool, "{}", entry.id),
-            Some(CurriculumError::Config { field, .. }) => {
-                assert!(entry.uses_pool && field == "pool.size", "{}: {field}", entry.id);
-            }
-            Some(error) => panic!("{}: {error}", entry.id),
         }
     }
 }
@@ -163,26 +147,28 @@ fn a_pool_method_needs_a_pool() {
 struct Fixed(FixedConfig);
 
 #[derive(Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
 struct FixedConfig {
     goal: usize,
 }
 
 impl Method for Fixed {
     type Config = FixedConfig;
+    type State = ();
     const ID: &'static str = "fixed";
     const TITLE: &'static str = "Fixed";
     const SOURCE: &'static str = "none";
     const USES_POOL: bool = true;
 
-    fn build(config: FixedConfig, _setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-        Ok(Box::new(Self(config)))
+    fn build(config: FixedConfig, _setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self(config))
     }
-}
 
-impl Curriculum for Fixed {
-    fn propose(&mut self, _lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        Ok(Proposal::Pool(self.0.goal))
+    fn begin(&self, _setting: &Setting) -> Result<(), CurriculumError> {
+        Ok(())
+    }
+
+    fn propose(&self, _state: &mut (), _lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        Ok(Proposal::pool(self.0.goal))
     }
 }
 
@@ -191,4 +177,5 @@ fn others_can_add_a_method_from_outside() {
     let entry = Entry::of::<Fixed>();
     let mut class = Class::with(&entry, "goal = 3", 4, |_, _| 0.0).unwrap();
     assert_eq!(class.cycles(2), [3, 3]);
+    contract(&entry);
 }

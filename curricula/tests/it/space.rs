@@ -1,8 +1,9 @@
 //! SPaCE's set grows exactly when its rule says so.
 
-use curricula::{CurriculumError, Distribution, PoolState, snapshot};
+use curricula::testing::{Class, Script};
+use curricula::{CurriculumError, Distribution, PoolState, ProposedGoal, snapshot};
 
-use crate::support::{Class, Script, entry};
+use crate::support::entry;
 
 /// A class of SPaCE that updates its set before every episode but the first.
 fn space(config: &str, goals: usize, script: Script) -> Class {
@@ -51,7 +52,8 @@ fn fanning(goal: usize, steps: u64) -> f64 {
 
 #[test]
 fn the_set_holds_the_goals_that_rank_first() {
-    // From -50 the mean of the set moves by at most 1.5, that is 3 %, so the set grows by one at every update but the first.
+    // From -50 the mean of the set moves by at most 1.5, that is 3 %, so the set grows by one at every update
+    // but the first.
     let mut class = space("", 4, fanning);
     class.cycles(3);
     assert_eq!(class.weights(), [0.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], "most improved first");
@@ -126,8 +128,8 @@ fn a_mean_is_compared_with_the_mean_of_the_set_before() {
     assert_eq!(class.statistic("set_size"), 2.0);
 }
 
-/// A set that grows by one goal per cycle of two episodes: turns counted over all episodes, modulo a size that grows while it
-/// counts two, would only ever fall on some places.
+/// A set that grows by one goal per cycle of two episodes: turns counted over all episodes, modulo a size
+/// that grows while it counts two, would only ever fall on some places.
 #[test]
 fn every_place_of_a_growing_set_gets_its_turns() {
     for (goals, cycles) in [(40, 400), (1000, 900)] {
@@ -136,12 +138,12 @@ fn every_place_of_a_growing_set_gets_its_turns() {
         let mut last_of_the_pool = 0;
         for cycle in 0..cycles {
             for _ in 0..2 {
-                let goal = class.propose_index();
-                let rank = class.teacher.choice().and_then(|choice| choice.rank).expect("a place in the set");
+                let proposal = class.propose().unwrap();
+                let rank = proposal.rank.expect("a place in the set");
                 assert_eq!(rank.of as f64, class.statistic("set_size"));
                 turns[rank.place] += 1.0;
                 (0..rank.of).for_each(|place| fair[place] += 1.0 / rank.of as f64);
-                if goal == goals - 1 && cycle > 20 {
+                if proposal.goal == ProposedGoal::Pool(goals - 1) && cycle > 20 {
                     last_of_the_pool += 1;
                 }
             }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use agents::{Agent, Mode, StudentConfig};
-use curricula::{Lesson, Proposal, Setting};
+use curricula::{Lesson, ProposedGoal, Setting};
 use envs::rng::{Purpose, Rng, stream};
 use envs::{GoalEnv, Rows, draw_pool};
 
@@ -20,9 +20,8 @@ fn taught(states: &str, student: &str) -> f64 {
     let pool = draw_pool(&mut *env, 50, &mut stream(0, Purpose::Pool)).unwrap();
     let setting =
         Setting { spec: env.spec().clone(), pool: std::sync::Arc::new(pool), seed: 0, student: config };
-    let entry = entry("teach");
-    let own = (entry.resolve)(format!("states = \"{states}\"").parse().unwrap()).unwrap();
-    let mut teacher = (entry.build)(&own, &setting).unwrap();
+    let own = format!("states = \"{states}\"").parse().unwrap();
+    let mut teacher = entry("teach").build(own, &setting).unwrap();
     let purposes = [Purpose::Environment, Purpose::Exploration, Purpose::Replay, Purpose::Teacher];
     let mut streams = purposes.map(|purpose| stream(0, purpose));
     for _ in 0..15 {
@@ -31,14 +30,16 @@ fn taught(states: &str, student: &str) -> f64 {
             env.reset(starts).unwrap();
             let start = env.observation().clone();
             let lesson = &mut Lesson { student: &mut *student, start: &start, goals: &mut *env, rng };
-            let Proposal::Pool(goal) = teacher.propose(lesson).unwrap() else { panic!("not of the pool") };
+            let ProposedGoal::Pool(goal) = teacher.propose(lesson).unwrap().goal else {
+                panic!("not of the pool")
+            };
             env.set_goal(setting.pool.row(goal)).unwrap();
             let episode = play(&mut *env, &mut *student, exploration);
             student.observe(&episode, &*env, replay).unwrap();
         }
         student.learn(&*env, &mut streams[2]).unwrap();
     }
-    let numbers = teacher.statistics();
+    let numbers = teacher.summary().statistics;
     numbers.iter().find(|(name, _)| *name == "effective_goals").unwrap().1
 }
 

@@ -1,12 +1,13 @@
 //! TEACH samples what moves.
 
-use curricula::{CurriculumError, Distribution, PoolState, snapshot};
+use curricula::testing::{Class, Script};
+use curricula::{CurriculumError, Distribution, PoolState, ProposedGoal, snapshot};
 
-use crate::support::{Class, close, entry};
+use crate::support::{close, entry};
 
-/// A class of TEACH with `config` whose confidence is that at the start of the episode: there is something to measure from the first
-/// episode on.
-fn teach(config: &str, goals: usize, script: crate::support::Script) -> Class {
+/// A class of TEACH with `config` whose confidence is that at the start of the episode: there is something to
+/// measure from the first episode on.
+fn teach(config: &str, goals: usize, script: Script) -> Class {
     Class::new("teach", &format!("states = \"initial\"\n{config}"), goals, script)
 }
 
@@ -80,8 +81,8 @@ fn an_evaluation_decides_already_about_the_episode_it_precedes() {
 
 #[test]
 fn values_that_move_by_rounding_alone_stand_still() {
-    // Single precision near -50 comes in steps of 2^-18 = 3.8e-6; a goal that swings by half of it has the variance
-    // (1.9e-6)² = 3.6e-12, and one that swings by 1e-4 the variance 1e-8.
+    // Single precision near -50 comes in steps of 2^-18 = 3.8e-6; a goal that swings by half of it has the
+    // variance (1.9e-6)² = 3.6e-12, and one that swings by 1e-4 the variance 1e-8.
     let rounding = |goal: usize, steps: u64| -50.0 + (steps % 2) as f64 * [3.8e-6, 0.0][goal];
     let more = |goal: usize, steps: u64| -50.0 + (steps % 2) as f64 * [2e-4, 0.0][goal];
     for selection in ["proportional", "argmax"] {
@@ -97,7 +98,8 @@ fn values_that_move_by_rounding_alone_stand_still() {
 
 #[test]
 fn a_curriculum_that_fell_due_before_there_were_states_is_made_up_for() {
-    // Goal 1 alone moves. Due at episode 0, when nothing is replayed yet; the two values it takes are there at episode 2.
+    // Goal 1 alone moves. Due at episode 0, when nothing is replayed yet; the two values it takes are there
+    // at episode 2.
     let config = "interplay = 2\nstates = \"replay\"\nrecord = \"evaluation\"";
     let mut class = Class::new("teach", config, 2, |goal, steps| -((goal as u64 * steps) as f64));
     class.cycles(1);
@@ -121,14 +123,16 @@ fn a_value_is_recorded_whenever_the_networks_have_changed_whatever_the_interplay
         }
         held(&class).probe.window().clone()
     };
-    // The first cycle has nothing to measure from, the last one has changed the networks after its episodes: 1 to 10 steps.
+    // The first cycle has nothing to measure from, the last one has changed the networks after its episodes:
+    // 1 to 10 steps.
     let every = window(1, "cycle");
     assert_eq!(every.iter().map(|values| values[0]).collect::<Vec<_>>(), [-21.0, -19.0, -21.0, -19.0]);
     for interplay in [2, 5, 50] {
         assert_eq!(window(interplay, "cycle"), every, "Δ = {interplay}");
     }
     assert_eq!(window(1, "evaluation"), every, "the same where Δ is due with every change");
-    // The former behaviour stretches the window: due at episodes 0, 5, 10, 15 and 20, in cycles 0, 2, 5, 7 and 10.
+    // The former behaviour stretches the window: due at episodes 0, 5, 10, 15 and 20, in cycles 0, 2, 5, 7
+    // and 10.
     let stretched = window(5, "evaluation");
     assert_eq!(stretched.iter().map(|values| values[0]).collect::<Vec<_>>(), [-19.0, -21.0, -21.0, -19.0]);
 }
@@ -218,7 +222,7 @@ fn the_control_goes_by_the_last_change_alone() {
 
 #[test]
 fn a_long_window_needs_a_long_renewal_where_states_are_held_alone() {
-    let accepted = |config: &str| (entry("teach").resolve)(config.parse().unwrap()).is_ok();
+    let accepted = |config: &str| entry("teach").resolve(config.parse().unwrap()).is_ok();
     assert!(!accepted("window = 200"));
     assert!(accepted("window = 200\nrenewal = 200"));
     assert!(accepted("window = 200\nstates = \"replay\"") && accepted("window = 200\nstates = \"initial\""));
@@ -236,12 +240,12 @@ fn values_beyond_any_return_are_as_good_as_others() {
 fn a_choice_is_told_with_its_progress() {
     for selection in ["proportional", "argmax"] {
         let mut class = teach(&format!("window = 4\nselection = \"{selection}\""), 4, swinging);
-        assert_eq!(class.teacher.choice(), None);
         class.cycles(4);
-        let goal = class.propose_index();
-        let choice = class.teacher.choice().expect("a goal was chosen");
+        let proposal = class.propose().unwrap();
+        let ProposedGoal::Pool(goal) = proposal.goal else { panic!("{proposal:?}") };
         // Variances 1, 4, 0 and 0.
-        assert_eq!((choice.score, choice.rank), ([1.0, 4.0, 0.0, 0.0][goal], None), "{selection}");
+        let expected = (Some([1.0, 4.0, 0.0, 0.0][goal]), None);
+        assert_eq!((proposal.score, proposal.rank), expected, "{selection}");
     }
 }
 
@@ -268,7 +272,7 @@ fn a_state_that_contradicts_its_config_is_refused() {
         class.teacher.save().unwrap()
     };
     let refusal = |config: &str, bytes: &[u8]| match teach(config, 4, swinging).teacher.load(bytes) {
-        Err(CurriculumError::State { reason }) => reason,
+        Err(CurriculumError::State { reason, .. }) => reason,
         other => panic!("{other:?}"),
     };
     let three = saved("window = 3", 3);

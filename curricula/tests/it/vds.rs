@@ -1,11 +1,12 @@
 //! VDS prefers what its members disagree on, and trains them as configured.
 
-use agents::{AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Episode, Network};
+use agents::{AgentError, Auto, Batch, Critic, Ensemble, EnsembleConfig, Network};
+use curricula::testing::{Class, scripted_action, standing_still};
 use curricula::{CurriculumError, Distribution, Setting, population_variance, snapshot};
 use envs::rng::{Purpose, stream};
 use envs::{Goals, Rows};
 
-use crate::support::{Class, action, entry};
+use crate::support::entry;
 
 /// What the default config asks for beside the small student.
 const ENSEMBLE: EnsembleConfig = EnsembleConfig { members: 3, batch: 8, lr: 1e-3, polyak: 0.95 };
@@ -30,7 +31,8 @@ fn saved_ensemble(class: &Class) -> Vec<u8> {
 fn goals_that_members_disagree_on_are_preferred() {
     for frontier in [1.0, -1.0] {
         let mut class = Class::new("vds", "candidates = 200\nlearning_rate = 0.01", 1, |_, _| 0.0);
-        // One member has reached the goals of this side, the other two never have. All know failure elsewhere.
+        // One member has reached the goals of this side, the other two never have. All know failure
+        // elsewhere.
         class.student.frontier = frontier;
         (0..60).for_each(|_| class.learn());
         let there = (0..300).filter(|_| class.propose_goal()[0] * f64::from(frontier) > 0.0).count();
@@ -115,7 +117,7 @@ fn disagreement_is_that_on_fresh_goals_from_the_start_at_hand_under_the_online_p
         class.env.sample_goal(&mut rng, &mut goal);
         goals.push(&goal);
         starts.push(&class.start.state);
-        actions.push(&action(&class.start.state, &goal, Network::Online, 4));
+        actions.push(&scripted_action(&class.start.state, &goal, Network::Online, 4));
     }
     let values = twin.values(&starts, &goals, &actions).unwrap();
     let disagreement: Vec<f64> =
@@ -154,24 +156,16 @@ fn the_configured_disagreement_is_taken() {
     assert_eq!(of_one_goal("exp"), variance.sqrt().exp());
 }
 
-/// An episode of standing still at the centre, of a task with goals of `width` numbers.
-fn episode(width: usize) -> Episode {
-    let rows = |n: usize, width: usize| {
-        let mut rows = Rows::with_capacity(width, n);
-        (0..n).for_each(|_| rows.push(&vec![0.0; width]));
-        rows
-    };
-    let (states, achieved, actions) = (rows(21, 2), rows(21, width), rows(20, 2));
-    Episode { states, achieved, actions, goal: vec![0.5; width], success: false }
-}
-
 #[test]
 fn episodes_reach_the_ensembles_normalisers() {
     let mut class = Class::new("vds", "", 1, |_, _| 0.0);
     let before = class.teacher.save().unwrap();
-    class.teacher.observe(&episode(2)).unwrap();
+    let mut episode = standing_still(&*class.env);
+    class.teacher.observe(&episode).unwrap();
     assert_ne!(class.teacher.save().unwrap(), before);
-    let error = class.teacher.observe(&episode(3)).unwrap_err();
+    // Goals of three numbers on a task of two.
+    episode.goal.push(0.5);
+    let error = class.teacher.observe(&episode).unwrap_err();
     assert!(matches!(error, CurriculumError::Student(AgentError::Shape { .. })), "{error}");
 }
 
@@ -181,7 +175,7 @@ fn initial_weights_follow_the_runs_seed() {
     let vds = entry("vds");
     let saved = |seed| {
         let setting = Setting { seed, ..class.setting.clone() };
-        (vds.build)(&(vds.defaults)(), &setting).unwrap().save().unwrap()
+        vds.build((vds.defaults)(), &setting).unwrap().save().unwrap()
     };
     assert_eq!(saved(3), saved(3));
     assert_ne!(saved(3), saved(4));
@@ -201,7 +195,7 @@ fn what_is_left_at_auto_is_the_students() {
         let mut class = Class::new("vds", "", 1, |_, _| 0.0);
         class.setting.student.batch = Auto::Value(6);
         class.setting.student.polyak = 1.0;
-        class.teacher = (entry("vds").build)(&config.parse().unwrap(), &class.setting).unwrap();
+        class.teacher = entry("vds").build(config.parse().unwrap(), &class.setting).unwrap();
         (0..cycles).for_each(|_| class.learn());
         class
     };

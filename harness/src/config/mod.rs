@@ -228,7 +228,7 @@ fn read_curricula(written: Table, registry: &Registry, own: &CurriculumEntry) ->
 fn complete(entry: &CurriculumEntry, written: &Table) -> Result<Table, FieldError> {
     let mut table = (entry.defaults)();
     merge(&mut table, written);
-    (entry.resolve)(table).map_err(|error| {
+    entry.resolve(table).map_err(|error| {
         let prefix = format!("curriculum.{}", entry.id);
         match error {
             curricula::CurriculumError::Config { field, reason } => field_error(&prefix, &field, &reason),

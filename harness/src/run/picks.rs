@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use curricula::{Choice, Rank};
+use curricula::{Proposal, ProposedGoal, Rank};
 use reports::schema::Teaching;
 use serde::{Deserialize, Serialize};
 
@@ -42,15 +42,15 @@ pub fn no_episodes() -> Teaching {
     Teaching { picks: Some(Vec::new()), ..Teaching::default() }
 }
 
-/// Notes how an episode's goal was chosen; `pick` is its index if it is a goal of the pool.
-pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, pick: Option<usize>, choice: Option<Choice>) {
+/// Adds the goal that was proposed for an episode to what is recorded.
+pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, proposal: &Proposal) {
     let narrow = |index: usize| u32::try_from(index).unwrap_or(u32::MAX);
-    let rank = choice.and_then(|choice| choice.rank);
+    let Proposal { ref goal, score, rank } = *proposal;
     let picks = teaching.picks.get_or_insert_default();
     let before = picks.len();
-    picks.push(pick.map(narrow));
+    picks.push(if let ProposedGoal::Pool(index) = *goal { Some(narrow(index)) } else { None });
     // A score that is infinite in single precision has no JSON form.
-    let score = choice.map(|choice| choice.score as f32).filter(|score| score.is_finite());
+    let score = score.map(|score| score as f32).filter(|score| score.is_finite());
     push(&mut teaching.scores, before, score);
     push(&mut teaching.ranks, before, rank.map(|rank| narrow(rank.place)));
     if let Some(rank) = rank {
@@ -139,11 +139,10 @@ mod tests {
     #[test]
     fn lists_are_as_long_as_there_are_episodes_or_absent() {
         let (mut teaching, mut ranks) = (no_episodes(), Ranks::default());
-        let choice = |score, rank| Some(Choice { score, rank });
-        note(&mut teaching, &mut ranks, None, None);
+        note(&mut teaching, &mut ranks, &Proposal::native());
         assert_eq!((&teaching.picks, &teaching.scores), (&Some(vec![None]), &None));
-        note(&mut teaching, &mut ranks, Some(4), choice(0.5, None));
-        note(&mut teaching, &mut ranks, Some(4), choice(f64::NEG_INFINITY, None));
+        note(&mut teaching, &mut ranks, &Proposal::pool(4).scored(0.5));
+        note(&mut teaching, &mut ranks, &Proposal::pool(4).scored(f64::NEG_INFINITY));
         assert_eq!(teaching.picks, Some(vec![None, Some(4), Some(4)]));
         assert_eq!(teaching.scores, Some(vec![None, Some(0.5), None]));
         assert_eq!(teaching.ranks, None);

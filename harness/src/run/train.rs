@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use agents::{Agent, AgentError, Episode, Mode};
-use curricula::{Curriculum, Lesson, Proposal, Setting};
+use curricula::{Curriculum, Lesson, ProposedGoal, Setting, TeacherSummary};
 use envs::rng::Purpose;
 use envs::{GoalEnv, Goals, Rows, draw_pool};
 use reports::schema::{Record, RunKey, Teaching};
@@ -90,7 +90,7 @@ impl Trainer {
             config.curriculum.get(method.id).and_then(toml::Value::as_table).cloned().unwrap_or_default();
         Ok(Self {
             agent: agents::registry::make(&config.student, &spec, seeds.of(key.seed, Purpose::Weights))?,
-            curriculum: (method.build)(&own, &setting)?,
+            curriculum: method.build(own, &setting)?,
             streams: Streams::new(&seeds, key.seed),
             env,
             evaluation_envs,
@@ -223,13 +223,12 @@ impl Trainer {
             rng: &mut self.streams.teacher,
         })?;
         observer.spent(Stage::Teaching, laps.lap());
-        let pick = if let Proposal::Pool(index) = proposal { Some(index) } else { None };
-        picks::note(&mut self.teaching, &mut self.ranks, pick, self.curriculum.choice());
-        match proposal {
-            Proposal::Native => {}
-            Proposal::Pool(index) if index < self.pool.len() => env.set_goal(self.pool.row(index))?,
-            Proposal::Pool(index) => return Err(RunError::NoSuchGoal { index, size: self.pool.len() }),
-            Proposal::Goal(goal) => env.set_goal(&goal)?,
+        picks::note(&mut self.teaching, &mut self.ranks, &proposal);
+        match proposal.goal {
+            ProposedGoal::Native => {}
+            ProposedGoal::Pool(index) if index < self.pool.len() => env.set_goal(self.pool.row(index))?,
+            ProposedGoal::Pool(index) => return Err(RunError::NoSuchGoal { index, size: self.pool.len() }),
+            ProposedGoal::Other(goal) => env.set_goal(&goal)?,
         }
         self.agent.begin_episode();
 
@@ -266,8 +265,8 @@ impl Trainer {
         let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
         observer.spent(Stage::Evaluating, laps.lap());
         let ranks = std::mem::take(&mut self.ranks);
-        let statistics =
-            self.curriculum.statistics().into_iter().chain(picks::statistics(&self.teaching, ranks));
+        let TeacherSummary { weights, statistics } = self.curriculum.summary();
+        let statistics = statistics.into_iter().chain(picks::statistics(&self.teaching, ranks));
         let record = Record {
             environment: self.key.environment.clone(),
             curriculum: self.key.curriculum.clone(),
@@ -286,7 +285,7 @@ impl Trainer {
                 .map(|(name, value)| (name.to_owned(), Value::from(value)))
                 .collect::<Map<_, _>>(),
         };
-        let weights = self.curriculum.weights().map(|weights| weights.iter().map(|&w| w as f32).collect());
+        let weights = weights.map(|weights| weights.iter().map(|&w| w as f32).collect());
         let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
         let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
         observer.record(&record, &teaching)?;

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use agents::{AgentError, Batch, Critic, Episode, Network};
-use curricula::{Choice, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, Statistics};
+use curricula::{Configured, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, TeacherSummary};
 use envs::rng::Rng;
 use envs::{GoalSource, Reward, Rows, Spec};
 use toml::Table;
@@ -39,13 +39,25 @@ pub(crate) fn take_handed() -> Handed {
 /// The row `watched`: the teacher of `entry`, under watch. One at a time in a thread.
 pub(crate) fn watched(entry: &'static Entry) -> Entry {
     NEXT.set(Some(entry));
-    Entry { id: "watched", build, ..*entry }
+    Entry { id: "watched", configure, ..*entry }
 }
 
-fn build(config: &Table, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
-    note_all(setting.pool.as_slice());
+fn configure(written: Table) -> Result<Box<dyn Configured>, CurriculumError> {
     let entry = NEXT.get().expect("`watched` comes first");
-    Ok(Box::new(Watched((entry.build)(config, setting)?)))
+    Ok(Box::new(WatchedConfig((entry.configure)(written)?)))
+}
+
+struct WatchedConfig(Box<dyn Configured>);
+
+impl Configured for WatchedConfig {
+    fn table(&self) -> Table {
+        self.0.table()
+    }
+
+    fn build(self: Box<Self>, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
+        note_all(setting.pool.as_slice());
+        Ok(Box::new(Watched(self.0.build(setting)?)))
+    }
 }
 
 struct Watched(Box<dyn Curriculum>);
@@ -78,16 +90,16 @@ impl Curriculum for Watched {
         self.0.learn(&mut WatchedStudent(student), reward, rng)
     }
 
-    fn choice(&self) -> Option<Choice> {
-        self.0.choice()
+    fn summary(&self) -> TeacherSummary<'_> {
+        self.0.summary()
     }
 
-    fn weights(&self) -> Option<&[f64]> {
-        self.0.weights()
+    fn save(&self) -> Result<Vec<u8>, CurriculumError> {
+        self.0.save()
     }
 
-    fn statistics(&self) -> Statistics {
-        self.0.statistics()
+    fn load(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
+        self.0.load(bytes)
     }
 }
 

@@ -1,0 +1,150 @@
+//! A class in which a scripted student meets a teacher.
+
+use std::sync::Arc;
+
+use agents::{Auto, StudentConfig};
+use envs::rng::{Purpose, Rng, stream};
+use envs::{GoalEnv, Observation, draw_pool};
+
+use super::{Script, ScriptedStudent, standing_still};
+use crate::curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Setting};
+use crate::error::CurriculumError;
+use crate::registry::{CURRICULA, Entry};
+
+/// What teachers with networks of their own go by: small networks and batches, so that tests are fast.
+fn small_student() -> StudentConfig {
+    StudentConfig { width: 16, batch: Auto::Value(8), gamma: Auto::Value(0.5), ..StudentConfig::default() }
+}
+
+/// A teacher, its scripted student, and everything a lesson needs.
+///
+/// All methods panic where a test could not go on.
+///
+/// ```
+/// use curricula::testing::Class;
+///
+/// // A student that cannot tell goals apart: all of four goals are drawn alike.
+/// let mut class = Class::new("teach", "", 4, |_goal, _steps| -10.0);
+/// assert!(class.cycles(20).into_iter().all(|goal| goal < 4));
+/// assert_eq!(class.weights(), [0.25; 4]);
+/// ```
+pub struct Class {
+    /// The teacher.
+    pub teacher: Box<dyn Curriculum>,
+    /// Its student.
+    pub student: ScriptedStudent,
+    /// What the teacher was built from.
+    pub setting: Setting,
+    /// The task.
+    pub env: Box<dyn GoalEnv>,
+    starts: Rng,
+    /// The start of the last episode.
+    pub start: Observation,
+    /// The teacher's stream.
+    pub rng: Rng,
+}
+
+impl Class {
+    /// The teacher `id` with `config` (TOML) over a pool of `goals`, on the point task.
+    pub fn new(id: &str, config: &str, goals: usize, script: Script) -> Self {
+        let entry = CURRICULA.iter().find(|entry| entry.id == id).expect("a registered teacher");
+        Self::with(entry, config, goals, script).expect("a valid config")
+    }
+
+    /// The same for the row of any teacher.
+    ///
+    /// # Errors
+    /// As [`Entry::build`].
+    pub fn with(entry: &Entry, config: &str, goals: usize, script: Script) -> Result<Self, CurriculumError> {
+        Self::on("Point", entry, config, goals, script)
+    }
+
+    /// The same on any environment.
+    ///
+    /// # Errors
+    /// As [`Entry::build`].
+    pub fn on(
+        environment: &str,
+        entry: &Entry,
+        config: &str,
+        goals: usize,
+        script: Script,
+    ) -> Result<Self, CurriculumError> {
+        let mut env = envs::make(environment, &envs::Options::default()).expect("an environment");
+        let pool = draw_pool(&mut *env, goals, &mut stream(0, Purpose::Pool)).expect("a pool");
+        let student = small_student().resolve(env.spec()).expect("valid defaults");
+        let setting = Setting { spec: env.spec().clone(), pool: Arc::new(pool), seed: 0, student };
+        let teacher = entry.build(config.parse().expect("TOML"), &setting)?;
+        let student = ScriptedStudent::new(env.spec().clone(), script);
+        let (starts, rng) = (stream(0, Purpose::Environment), stream(0, Purpose::Teacher));
+        Ok(Self { teacher, student, setting, start: env.observation().clone(), env, starts, rng })
+    }
+
+    /// An episode's beginning, before anything is proposed.
+    pub fn reset(&mut self) {
+        self.env.reset(&mut self.starts).expect("a start");
+        self.start = self.env.observation().clone();
+    }
+
+    /// One episode: the teacher's proposal, after which it hears of an episode of standing still.
+    ///
+    /// # Errors
+    /// What the teacher says.
+    pub fn propose(&mut self) -> Result<Proposal, CurriculumError> {
+        self.reset();
+        let Self { teacher, student, start, env, rng, .. } = self;
+        let proposal = teacher.propose(&mut Lesson { student, start, goals: &mut **env, rng })?;
+        teacher.observe(&standing_still(&**env))?;
+        Ok(proposal)
+    }
+
+    /// One episode's proposal, which must be from the pool.
+    pub fn propose_index(&mut self) -> usize {
+        match self.propose().expect("a proposal").goal {
+            ProposedGoal::Pool(index) => index,
+            other => panic!("{other:?} is not from the pool"),
+        }
+    }
+
+    /// One episode's goal, whoever drew it.
+    pub fn propose_goal(&mut self) -> Vec<f64> {
+        match self.propose().expect("a proposal").goal {
+            ProposedGoal::Native => self.env.goal().to_vec(),
+            ProposedGoal::Pool(index) => self.setting.pool.row(index).to_vec(),
+            ProposedGoal::Other(goal) => goal,
+        }
+    }
+
+    /// The student's and the teacher's learning at the end of a cycle.
+    pub fn learn(&mut self) {
+        self.student.steps += 1;
+        self.student.has_replay = true;
+        let Self { teacher, student, env, rng, .. } = self;
+        teacher.learn(student, &**env, rng).expect("learns");
+    }
+
+    /// `n` cycles of one episode each: the indices proposed.
+    pub fn cycles(&mut self, n: usize) -> Vec<usize> {
+        let cycle = |_| {
+            let index = self.propose_index();
+            self.learn();
+            index
+        };
+        (0..n).map(cycle).collect()
+    }
+
+    /// The teacher's weights, shape `[N]`.
+    pub fn weights(&self) -> Vec<f64> {
+        self.teacher.summary().weights.expect("a teacher with weights").to_vec()
+    }
+
+    /// The teacher's number of this name.
+    pub fn statistic(&self, name: &str) -> f64 {
+        let numbers = self.teacher.summary().statistics;
+        numbers
+            .into_iter()
+            .find(|(known, _)| *known == name)
+            .unwrap_or_else(|| panic!("no number `{name}`"))
+            .1
+    }
+}

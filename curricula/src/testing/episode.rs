@@ -1,0 +1,21 @@
+//! The simplest episode.
+
+use agents::Episode;
+use envs::{GoalEnv, Rows, Spec};
+
+/// An episode in which nothing moves, from the start at hand and towards its goal. It ends without success.
+pub fn standing_still(env: &dyn GoalEnv) -> Episode {
+    let Spec { state, goal, action, horizon, .. } = *env.spec();
+    let rows = |row: &[f64], n: usize, width: usize| {
+        let mut rows = Rows::with_capacity(width, n);
+        (0..n).for_each(|_| rows.push(row));
+        rows
+    };
+    Episode {
+        states: rows(&env.observation().state, horizon + 1, state),
+        achieved: rows(&env.observation().achieved, horizon + 1, goal),
+        actions: rows(&vec![0.0; action], horizon, action),
+        goal: env.goal().to_vec(),
+        success: false,
+    }
+}
