@@ -19,7 +19,7 @@ use std::time::Instant;
 use agents::{Agent, Episode, StudentConfig};
 use curricula::{CURRICULA, Curriculum, Lesson, Setting};
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Options, Rows, Spec, draw_pool};
+use envs::{EnvOptions, GoalEnv, Rows, Spec, draw_pool};
 use toml::Table;
 
 /// The teachers that together may cost [`BAR`], measuring from the coming start.
@@ -59,7 +59,7 @@ struct Classroom {
 
 impl Classroom {
     fn new() -> (Self, Setting) {
-        let mut env = envs::make("MazeA", &Options::default()).expect("a maze");
+        let mut env = envs::make("MazeA", &EnvOptions::default()).expect("a maze");
         let spec = env.spec().clone();
         let pool = draw_pool(&mut *env, 1000, &mut stream(0, Purpose::Pool)).expect("a pool");
         let config = StudentConfig::default().resolve(&spec).expect("valid defaults");

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group};
 use envs::rng::{Purpose, stream};
-use envs::{GoalEnv, Options, SimulationStart, Start, make};
+use envs::{EnvOptions, GoalEnv, SimulationStart, Start, make};
 use mujoco_rs::wrappers::mj_data::MjData;
 use mujoco_rs::wrappers::mj_model::MjModel;
 use rand::Rng as _;
@@ -36,7 +36,7 @@ const SIMULATED: [(&str, &str); 7] = [
 ];
 
 fn build(id: &str) -> Box<dyn GoalEnv> {
-    make(id, &Options::default()).expect("the environment can be built")
+    make(id, &EnvOptions::default()).expect("the environment can be built")
 }
 
 fn actions(env: &dyn GoalEnv) -> Vec<Vec<f64>> {
@@ -46,7 +46,7 @@ fn actions(env: &dyn GoalEnv) -> Vec<Vec<f64>> {
 }
 
 fn capture(env: &mut dyn GoalEnv) -> SimulationStart {
-    match env.replay().map(|env| env.capture()) {
+    match env.playback().map(|env| env.capture()) {
         Some(Start::Simulation(state)) => state,
         _ => unreachable!("a simulated environment"),
     }

@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use envs::rng::{Purpose, stream};
-use envs::{ENVIRONMENTS, Options};
+use envs::{EnvOptions, environments};
 
 /// Counts this thread's allocations.
 struct Counting;
@@ -38,8 +38,8 @@ fn allocations(work: impl FnOnce()) -> usize {
 #[test]
 fn stepping_rewarding_and_sampling_goals_do_not_allocate() {
     assert_eq!(allocations(|| drop(std::hint::black_box(Box::new(1)))), 1, "the count counts");
-    for row in ENVIRONMENTS {
-        let mut env = row.make(&Options::default()).unwrap();
+    for row in environments() {
+        let mut env = row.make(&EnvOptions::default()).unwrap();
         let mut rng = stream(0, Purpose::Environment);
         env.reset(&mut rng).unwrap();
         let action = vec![0.5; row.spec.action];

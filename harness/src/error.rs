@@ -122,6 +122,20 @@ pub enum HarnessError {
     },
 }
 
+/// An error with what it comes from, in one line: each source once, also where a message repeats that of its source.
+pub fn explain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut next = error.source();
+    while let Some(source) = next {
+        let message = source.to_string();
+        if !text.ends_with(&message) {
+            text = format!("{text}: {message}");
+        }
+        next = source.source();
+    }
+    text
+}
+
 impl HarnessError {
     /// Whether the same input may go well another time: the machine failed, or its disk. Damaged data stays damaged.
     pub fn is_transient(&self) -> bool {

@@ -43,7 +43,7 @@ impl SimulationRenderer {
             .num_visual_user_geom(MAX_SPHERES as u32)
             .camera(camera(scene.viewpoint))
             .build(Arc::clone(&model))
-            .map_err(|error| RenderError::NoGraphics { reason: error.to_string() })?;
+            .map_err(|error| RenderError::NoGraphics { source: error.into() })?;
         Ok(Self { source, data: MjData::new(model), renderer, width, height })
     }
 

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use super::Problem;
 use crate::draws::Draw;
 use crate::mujoco::Physics;
-use crate::replay::{SimulationStart, Start};
+use crate::playback::{SimulationStart, Start};
 
 /// A trace file.
 #[derive(Debug, Deserialize)]

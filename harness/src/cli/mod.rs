@@ -22,7 +22,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, explain};
 
 /// Exit code where the work was done and something in it failed.
 const FAILED: u8 = 1;
@@ -113,7 +113,7 @@ pub fn main(registry: Registry) -> ExitCode {
         Command::Worker { folder, tensorboard } => worker(&registry, &folder, tensorboard),
     };
     result.unwrap_or_else(|error| {
-        complain(&format!("goalbench: {error}"));
+        complain(&format!("goalbench: {}", explain(&error)));
         ExitCode::from(WRONG_INPUT)
     })
 }

@@ -7,7 +7,7 @@ use envs::trace::{FileReport, TraceError, verify_dir};
 use serde_json::{Value, json};
 
 use super::{Exit, FAILED, complain, print};
-use crate::error::HarnessError;
+use crate::error::{HarnessError, explain};
 
 #[derive(clap::Args)]
 #[command(
@@ -31,7 +31,7 @@ pub(super) fn verify(args: &Args) -> Exit {
         print(&as_text(&files));
         for file in &files {
             match file {
-                Err(error) => complain(&format!("goalbench: {error}")),
+                Err(error) => complain(&format!("goalbench: {}", explain(error))),
                 Ok(report) => {
                     if let Some(failure) = &report.first_failure {
                         complain(&format!("goalbench: {}: {failure}", report.file.display()));
@@ -51,7 +51,7 @@ fn as_json(files: &[Result<FileReport, TraceError>], passed: bool) -> Value {
             value["passed"] = report.passed().into();
             value
         }
-        Err(error) => json!({ "passed": false, "error": error.to_string() }),
+        Err(error) => json!({ "passed": false, "error": explain(error) }),
     });
     json!({ "passed": passed, "files": files.collect::<Vec<_>>() })
 }

@@ -18,7 +18,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 use super::Lock;
 use super::event::Event;
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, explain};
 use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
 use crate::run::folder::{self, Progress, Recorder};
 use crate::run::train::{End, Phase, RunError, Trainer, TrainerState, Watcher, Wish};
@@ -55,7 +55,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
     agents::prepare_thread();
     let cannot_run = |error: RunError| match libtorch(&error) {
         Some(error) => machine_error(key, error),
-        None => HarnessError::Run { run: key.to_string(), reason: error.to_string() },
+        None => HarnessError::Run { run: key.to_string(), reason: explain(&error) },
     };
     let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
         CheckpointError::Io { path, source } => {
@@ -93,7 +93,7 @@ pub fn work(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Opt
         Err(RunError::Recording(source)) => return Err(recording(source)),
         Err(error) => match libtorch(&error) {
             Some(error) => return Err(machine_error(key, error)),
-            None => Outcome::Failed { step: trainer.step(), reason: error.to_string() },
+            None => Outcome::Failed { step: trainer.step(), reason: explain(&error) },
         },
     };
     let Reporter { recorder, mut out, .. } = reporter;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use agents::{Agent, AgentError, Batch, Critic, Episode, Mode, Network};
 use envs::render::Scene;
 use envs::rng::Rng;
-use envs::{EnvError, GoalEnv, GoalSource, Observation, Replay, Reward, Rows, Spec};
+use envs::{EnvError, GoalEnv, GoalSource, Observation, Playback, Reward, Rows, Spec};
 
 /// A sum of durations. One thread adds to it; being atomic, it can be shared with a decorator that must be [`Send`].
 #[derive(Debug, Default)]
@@ -103,8 +103,8 @@ impl GoalEnv for TimedEnv {
         self.env.scene()
     }
 
-    fn replay(&mut self) -> Option<&mut dyn Replay> {
-        self.env.replay()
+    fn playback(&mut self) -> Option<&mut dyn Playback> {
+        self.env.playback()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The goals that an environment can ask for, told from its geometry.
 
 use envs::rng::{Purpose, stream};
-use envs::{Observation, Options};
+use envs::{EnvOptions, Observation};
 
 /// Goals are recorded in single precision; metres and units of the maze are below 2.
 const ROUNDING: f64 = 1e-6;
@@ -27,7 +27,7 @@ pub(crate) struct GoalSpace {
 
 impl GoalSpace {
     pub(crate) fn of(id: &'static str) -> Self {
-        let mut env = envs::make(id, &Options::default()).expect("an environment");
+        let mut env = envs::make(id, &EnvOptions::default()).expect("an environment");
         env.reset(&mut stream(1, Purpose::Environment)).expect("a start");
         Self { id, start: env.observation().clone() }
     }
@@ -86,7 +86,7 @@ fn in_hand(goal: &[f64], start: &[f64]) -> bool {
 
 /// The square [-1, 1]² in 13 × 13 cells; the row goes with the first coordinate.
 fn is_free(maze: &str, goal: &[f64]) -> bool {
-    let walls = envs::maze_walls(maze).expect("a maze");
+    let walls = envs::find(maze).expect("an environment").walls.expect("a maze");
     let cell = |x: f64| ((x + 1.0) / 2.0 * walls.len() as f64).floor();
     let (row, column) = (cell(goal[0]), cell(goal[1]));
     let inside = row >= 0.0 && column >= 0.0;

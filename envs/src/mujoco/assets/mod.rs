@@ -61,12 +61,14 @@ fn model_in(folder: &Path, file: &str, physics: Physics) -> Result<Arc<MjModel>,
 }
 
 fn load(path: &Path, physics: Physics) -> Result<MjModel, EnvError> {
-    let broken = |reason: String| EnvError::Asset { path: path.to_owned(), reason };
+    let broken =
+        |reason: &str, source| EnvError::Asset { path: path.to_owned(), reason: reason.into(), source };
     // MjModel::from_xml panics on what C cannot be told.
     if path.to_str().is_none_or(|text| text.contains('\0')) {
-        return Err(broken("MuJoCo needs a path in UTF-8".into()));
+        return Err(broken("MuJoCo needs a path in UTF-8", None));
     }
-    let mut model = MjModel::from_xml(path).map_err(|error| broken(error.to_string()))?;
+    let mut model =
+        MjModel::from_xml(path).map_err(|error| broken("MuJoCo refuses it", Some(error.into())))?;
     if physics == Physics::Paper {
         model.opt_mut().disableflags |= DISABLE_NATIVE_CCD;
     }

@@ -4,21 +4,20 @@ mod task;
 
 use serde_json::{Map, Value, json};
 
-use super::{Hand, VIEWPOINT};
+use super::Hand;
 use crate::draws::Draws;
-use crate::env::Observation;
+use crate::env::{Observation, Reward};
 use crate::error::EnvError;
-use crate::metric::distance;
 use crate::mujoco::sim::Joint;
 use crate::mujoco::{Physics, Site, Snapshot};
-use crate::render::{GoalShape, Shape, SimulationScene};
-use crate::replay::{ReplayError, Start};
+use crate::playback::{PlaybackError, RecordedWorld, Start};
+use crate::render::{GoalShape, Scene};
 use crate::rotation::{Quat, normalized, parallel_rotations, product};
 use crate::world::World;
 use crate::writer::Writer;
 
-pub(crate) use task::{BLOCK, BLOCK_ROTATE_PARALLEL, BLOCK_ROTATE_Z, EGG, EGG_ROTATE, PEN, PEN_ROTATE, Task};
-use task::{ROTATION_THRESHOLD, TargetPosition, rotation_distance};
+pub(super) use task::{BLOCK, BLOCK_ROTATE_PARALLEL, BLOCK_ROTATE_Z, EGG, EGG_ROTATE, PEN, PEN_ROTATE, Task};
+use task::{ROTATION_THRESHOLD, TargetPosition};
 
 /// Standard deviation of the object's start position, metres.
 const SPREAD: f64 = 0.005;
@@ -38,7 +37,7 @@ const GHOST_ASIDE: f64 = 0.15;
 type Pose = [f64; 7];
 
 /// The world of a HandManipulate environment. Positions are metres, angles radians, velocities per second.
-pub(crate) struct Manipulate {
+pub(super) struct Manipulate {
     id: &'static str,
     task: &'static Task,
     hand: Hand,
@@ -55,7 +54,7 @@ pub(crate) struct Manipulate {
 }
 
 impl Manipulate {
-    pub(crate) fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
+    pub(super) fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
         let mut hand = Hand::new(id, task.file, physics)?;
         let object = hand.sim.joint("object:joint")?;
         let ghost = hand.sim.joint("target:joint")?;
@@ -85,15 +84,15 @@ impl Manipulate {
         sim.forward();
     }
 
-    fn draw_start<D: Draws>(&self, draws: &mut D) -> Result<Pose, D::Error> {
+    fn draw_start(&self, draws: &mut Draws<'_>) -> Pose {
         let [x, y, z, quat @ ..] = self.pose();
         let quat = if self.task.turned_at_start {
-            product(quat, self.task.rotation.draw(&self.parallel, draws)?)
+            product(quat, self.task.rotation.draw(&self.parallel, draws))
         } else {
             quat
         };
-        let [dx, dy, dz] = draws.normal(SPREAD)?;
-        Ok(joined([x + dx, y + dy, z + dz], normalized(quat)))
+        let [dx, dy, dz] = draws.normal(SPREAD);
+        joined([x + dx, y + dy, z + dz], normalized(quat))
     }
 
     /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the palm.
@@ -120,32 +119,27 @@ fn joined([x, y, z]: [f64; 3], [w, i, j, k]: Quat) -> Pose {
 
 impl World for Manipulate {
     /// A start where the object stays on the palm.
-    fn start<D: Draws, E>(&mut self, draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>,
-    {
+    fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError> {
         for _ in 0..ATTEMPTS {
             self.back_to_start();
-            let pose = self.draw_start(draws)?;
+            let pose = self.draw_start(draws);
             if self.settle(&pose)? {
                 self.remember_start();
                 return Ok(());
             }
         }
         let reason = format!("the object fell off the palm in {ATTEMPTS} starts in a row");
-        Err(EnvError::Unstable { env: self.id, reason }.into())
+        Err(EnvError::Unstable { env: self.id, reason })
     }
 
-    fn draw_goal<D: Draws>(&self, draws: &mut D, goal: &mut [f64]) -> Result<(), D::Error> {
+    fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
         let mut position = self.settled;
         if self.task.position == TargetPosition::Random {
-            let shift =
-                draws.uniform(TARGET_RANGE.map(|(low, _)| low), TARGET_RANGE.map(|(_, high)| high))?;
+            let shift = draws.uniform(TARGET_RANGE.map(|(low, _)| low), TARGET_RANGE.map(|(_, high)| high));
             position = std::array::from_fn(|i| position[i] + shift[i]);
         }
-        let quat = normalized(self.task.rotation.draw(&self.parallel, draws)?);
+        let quat = normalized(self.task.rotation.draw(&self.parallel, draws));
         goal.copy_from_slice(&joined(position, quat));
-        Ok(())
     }
 
     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError> {
@@ -163,31 +157,24 @@ impl World for Manipulate {
         observation.achieved.copy_from_slice(&pose);
     }
 
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        if self.success(achieved, goal) { 0.0 } else { -1.0 }
+    fn task(&self) -> &dyn Reward {
+        self.task
     }
 
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        let (position, quat) = split(achieved);
-        let (goal_position, goal_quat) = split(goal);
-        let near = self.task.position == TargetPosition::Ignore
-            || distance(position, goal_position) < self.task.distance_threshold;
-        near && rotation_distance(quat, goal_quat, self.task.any_turn_about_z) < ROTATION_THRESHOLD
-    }
-
-    fn shape(&self, goal: &[f64]) -> Shape<'_> {
+    fn scene(&self, goal: &[f64]) -> Option<Scene<'_>> {
         let mut pose: Pose = std::array::from_fn(|i| goal[i]);
         if self.task.position == TargetPosition::Ignore {
             pose[0] += GHOST_ASIDE;
         }
-        Shape::Simulation(SimulationScene {
-            sim: &self.hand.sim,
-            viewpoint: &VIEWPOINT,
-            hidden_sites: &[],
-            goal: GoalShape::Ghost { qpos: self.ghost.qpos, pose },
-        })
+        Some(self.hand.scene(&[], GoalShape::Ghost { qpos: self.ghost.qpos, pose }))
     }
 
+    fn recorded(&mut self) -> Option<&mut dyn RecordedWorld> {
+        Some(self)
+    }
+}
+
+impl RecordedWorld for Manipulate {
     fn constants(&self) -> Map<String, Value> {
         let own = json!({
             "reward_type": "sparse",
@@ -209,25 +196,17 @@ impl World for Manipulate {
         self.hand.sim.capture()
     }
 
-    fn restore(&mut self, state: &Start) -> Result<(), ReplayError> {
+    fn restore(&mut self, state: &Start) -> Result<(), PlaybackError> {
         self.hand.sim.begin(state)?;
         self.remember_start();
         Ok(())
     }
 }
 
-/// Position and quaternion of a pose.
-///
-/// # Panics
-/// If `pose` does not hold 7 numbers.
-fn split(pose: &[f64]) -> (&[f64], Quat) {
-    assert_eq!(pose.len(), 7, "a pose has 7 numbers");
-    (&pose[..3], [pose[3], pose[4], pose[5], pose[6]])
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Manipulate, Task};
+    use crate::draws::Draws;
     use crate::mujoco::{Physics, Snapshot};
     use crate::rng::{Purpose, stream};
     use crate::world::World;
@@ -236,8 +215,7 @@ mod tests {
     /// (`mj_resetData` first) or as the reference does.
     fn settled(id: &'static str, task: &'static Task, cleanly: bool) -> Snapshot {
         let mut world = Manipulate::new(id, task, Physics::Paper).unwrap();
-        let pose =
-            world.draw_start(&mut stream(3, Purpose::Environment)).unwrap_or_else(|never| match never {});
+        let pose = world.draw_start(&mut Draws::from(&mut stream(3, Purpose::Environment)));
         for step in 0..10 {
             world.advance(&[(f64::from(step) * 0.7).sin(); 20]).unwrap();
         }
