@@ -1,8 +1,9 @@
 //! What a step costs beside the physics it consists of.
 //!
-//! `cargo bench --package envs` first prints, for one environment of each kind, the cost of a step and of the 20
-//! `mj_step` calls in it, on the same states of one episode, and their ratio; then criterion's `step` and `reset`.
-//! The ratio takes the fastest of many repetitions of each step, so that other processes do not disturb it.
+//! `cargo bench --package envs` first prints, for one environment of each kind, the cost of a step and of the
+//! 20 `mj_step` calls in it, on the same states of one episode, and their ratio; then criterion's `step` and
+//! `reset`. The ratio takes the fastest of many repetitions of each step, so that other processes do not
+//! disturb it.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints what it measured")]
 
@@ -79,8 +80,8 @@ fn time_physics(data: &mut MjData<&MjModel>, start: &SimulationStart) -> Duratio
     began.elapsed()
 }
 
-/// The mean times of a step and of its physics over an episode, each step's the fastest of all repetitions. The two
-/// are timed in turns.
+/// The mean times of a step and of its physics over an episode, each step's the fastest of all repetitions.
+/// The two are timed in turns.
 fn time(id: &str, file: &str) -> [Duration; 2] {
     let mut env = build(id);
     let model = load(file);

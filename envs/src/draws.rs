@@ -131,8 +131,8 @@ pub enum DrawError {
 
 /// Recorded draws, handed out in order.
 ///
-/// From the first that does not fit what is asked for, numbers come from a seeded stream instead, so that a reset comes to
-/// its end; [`RecordedDraws::finish`] tells.
+/// From the first that does not fit what is asked for, numbers come from a seeded stream instead, so that a
+/// reset comes to its end; [`RecordedDraws::finish`] tells.
 #[derive(Clone, Debug)]
 pub struct RecordedDraws {
     draws: Vec<Draw>,

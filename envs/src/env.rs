@@ -58,8 +58,8 @@ pub trait Reward {
     /// If a length is not G, here and in [`Reward::reward`]: only a mistake in the program can do that.
     fn success(&self, achieved: &[f64], goal: &[f64]) -> bool;
 
-    /// The sparse reward of having achieved `achieved` when `goal` was asked for (shape `[G]` both): 0 for success,
-    /// else -1. Hindsight relabelling uses it too.
+    /// The sparse reward of having achieved `achieved` when `goal` was asked for (shape `[G]` both): 0 for
+    /// success, else -1. Hindsight relabelling uses it too.
     fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
         if self.success(achieved, goal) { 0.0 } else { -1.0 }
     }

@@ -1,10 +1,10 @@
 //! Goal-conditioned environments.
 //!
-//! [`GoalEnv`] is what students and the harness see of an environment. [`environments`] lists those of this crate,
-//! [`Environment`] is a row of that list, and of those that a program adds from outside. [`World`] is the short way to
-//! write one: [`Env`] makes a [`GoalEnv`] of it. [`testing::contract`] checks what everybody relies on, [`trace`]
-//! proves that the built-in ones behave like the originals. All random numbers come from the seeded streams of
-//! [`rng`]. Nothing here knows of students or teachers.
+//! [`GoalEnv`] is what students and the harness see of an environment. [`environments`] lists those of this
+//! crate, [`Environment`] is a row of that list, and of those that a program adds from outside. [`World`] is
+//! the short way to write one: [`Env`] makes a [`GoalEnv`] of it. [`testing::contract`] checks what everybody
+//! relies on, [`trace`] proves that the built-in ones behave like the originals. All random numbers come from
+//! the seeded streams of [`rng`]. Nothing here knows of students or teachers.
 //!
 //! ```
 //! use envs::EnvOptions;

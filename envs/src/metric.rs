@@ -35,8 +35,9 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// Length of `v`, with products and sums fused as numpy's `linalg.norm` does for a single vector. Objects settle over
-/// 200 simulation steps with contacts, which turn a difference in the last bit into a visible one.
+/// Length of `v`, with products and sums fused as numpy's `linalg.norm` does for a single vector. Objects
+/// settle over 200 simulation steps with contacts, which turn a difference in the last bit into a visible
+/// one.
 pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().fold(0.0_f64, |sum, part| part.mul_add(*part, sum)).sqrt()
 }

@@ -1,4 +1,5 @@
-//! What an environment offers beyond [`GoalEnv`](crate::GoalEnv) so that recorded traces can be played back on it.
+//! What an environment offers beyond [`GoalEnv`](crate::GoalEnv) so that recorded traces can be played back
+//! on it.
 
 use serde_json::{Map, Value};
 
@@ -78,8 +79,8 @@ pub trait Playback {
     /// [`PlaybackError::Start`], or the environment's own errors.
     fn begin(&mut self, start: &Start) -> Result<(), PlaybackError>;
 
-    /// Resets as the reference did when `draws` were recorded, with whatever solver state it kept. All of them must be
-    /// asked for.
+    /// Resets as the reference did when `draws` were recorded, with whatever solver state it kept. All of
+    /// them must be asked for.
     ///
     /// # Errors
     /// [`PlaybackError::Draws`], or the environment's own errors.
@@ -89,9 +90,11 @@ pub trait Playback {
     fn capture(&mut self) -> Start;
 }
 
-/// What a [`World`](crate::World) with a recorded original offers, so that [`Env`](crate::Env) can be a [`Playback`].
+/// What a [`World`](crate::World) with a recorded original offers, so that [`Env`](crate::Env) can be a
+/// [`Playback`].
 pub trait RecordedWorld {
-    /// The world's constants under the names that recordings use. The horizon `T` is added by the environment.
+    /// The world's constants under the names that recordings use. The horizon `T` is added by the
+    /// environment.
     fn constants(&self) -> Map<String, Value>;
 
     /// The state now.

@@ -10,8 +10,9 @@ use crate::worlds::WORLDS;
 /// What a user may choose about an environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EnvOptions {
-    /// Simulate with MuJoCo's native CCD, as a plain install of the reference does. Off by default, because without
-    /// it MuJoCo 3.3.7 agrees with the versions of the paper's time. It changes nothing where nothing is simulated.
+    /// Simulate with MuJoCo's native CCD, as a plain install of the reference does. Off by default, because
+    /// without it MuJoCo 3.3.7 agrees with the versions of the paper's time. It changes nothing where nothing
+    /// is simulated.
     pub native_ccd: bool,
 }
 
@@ -35,8 +36,8 @@ pub struct PaperRow {
 pub enum Verification {
     /// Its world is a few formulas, which tests compare with numbers worked out by hand.
     Analytic,
-    /// Traces recorded from the original are replayed. These are the largest absolute deviations that pass after a
-    /// simulated step, in the units of each quantity.
+    /// Traces recorded from the original are replayed. These are the largest absolute deviations that pass
+    /// after a simulated step, in the units of each quantity.
     Recorded {
         /// With the physics of the paper's time.
         paper: f64,
@@ -46,8 +47,8 @@ pub enum Verification {
 }
 
 impl Verification {
-    /// Largest absolute deviation that passes where nothing is simulated over time, and in general after a simulated
-    /// step: computers round differently.
+    /// Largest absolute deviation that passes where nothing is simulated over time, and in general after a
+    /// simulated step: computers round differently.
     pub const ROUNDING: f64 = 1e-9;
 
     /// Replayed traces agree but for rounding.
@@ -77,8 +78,9 @@ pub struct Environment {
     pub source: &'static str,
     /// The paper's Table 1, where it prints other dimensions.
     pub paper: Option<PaperRow>,
-    /// The walls of a maze on the square [-1, 1]², for maps of it, a row of cells per string: `#` wall, `.` free, `S`
-    /// the free start cell. The row of a cell goes with the first coordinate, its column with the second.
+    /// The walls of a maze on the square [-1, 1]², for maps of it, a row of cells per string: `#` wall, `.`
+    /// free, `S` the free start cell. The row of a cell goes with the first coordinate, its column with the
+    /// second.
     pub walls: Option<&'static [&'static str]>,
     /// How it is verified.
     pub verification: Verification,
@@ -87,10 +89,11 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// A row with nothing special about it: the paper has no other row, there are no walls, the world is analytic.
+    /// A row with nothing special about it: the paper has no other row, there are no walls, the world is
+    /// analytic.
     ///
-    /// See [`World`](crate::World) for how to write the world, and `harness/examples/own_environment.rs` for a
-    /// program with an environment of its own.
+    /// See [`World`](crate::World) for how to write the world, and `harness/examples/own_environment.rs` for
+    /// a program with an environment of its own.
     ///
     /// ```
     /// use envs::{Defaults, EnvOptions, Environment, Spec};
@@ -175,8 +178,8 @@ pub struct Suite {
 
 /// The suites of this crate.
 ///
-/// The paper names HandManipulateBlock, -Pen and -Egg, but its appendix B describes "rotate about z" and "rotate in
-/// all axes" without a position goal. `paper` follows the appendix, `paper-ids` the names.
+/// The paper names HandManipulateBlock, -Pen and -Egg, but its appendix B describes "rotate about z" and
+/// "rotate in all axes" without a position goal. `paper` follows the appendix, `paper-ids` the names.
 pub static SUITES: &[Suite] = &[
     Suite {
         id: "paper",

@@ -9,8 +9,8 @@ use crate::playback::{Playback, PlaybackError, RecordedWorld, Start};
 use crate::render::Scene;
 use crate::rng::Rng;
 
-/// The world of an environment: its state, its dynamics, its goals. [`Env`] adds what is the same for all: checks of
-/// what comes in, clipped actions, room for observation and goal.
+/// The world of an environment: its state, its dynamics, its goals. [`Env`] adds what is the same for all:
+/// checks of what comes in, clipped actions, room for observation and goal.
 ///
 /// ```
 /// use envs::rng::{Purpose, stream};
@@ -61,8 +61,8 @@ pub trait World: Send {
     /// [`EnvError::Unstable`] if the world breaks down on the way.
     fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError>;
 
-    /// Draws a goal for the current start into `goal`, shape `[G]`. It depends on the start of the episode, not on
-    /// how far the episode has come.
+    /// Draws a goal for the current start into `goal`, shape `[G]`. It depends on the start of the episode,
+    /// not on how far the episode has come.
     fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]);
 
     /// One step with `action`, shape `[A]`, every component in [-1, 1].
@@ -77,7 +77,8 @@ pub trait World: Send {
     /// What counts as success, and its reward.
     fn task(&self) -> &dyn Reward;
 
-    /// How the world looks now, with `goal` (shape `[G]`) marked in it; nothing for a world that cannot be drawn.
+    /// How the world looks now, with `goal` (shape `[G]`) marked in it; nothing for a world that cannot be
+    /// drawn.
     fn scene(&self, _goal: &[f64]) -> Option<Scene<'_>> {
         None
     }
@@ -88,7 +89,8 @@ pub trait World: Send {
     }
 }
 
-/// The environment made of a [`World`]. It checks what comes in, clips actions, and keeps observation and goal.
+/// The environment made of a [`World`]. It checks what comes in, clips actions, and keeps observation and
+/// goal.
 pub struct Env<W> {
     spec: Spec,
     world: W,

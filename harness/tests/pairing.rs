@@ -1,4 +1,5 @@
-//! Curricula with one seed are compared on the same ground: initial weights, goal pool, start states, evaluation episodes.
+//! Curricula with one seed are compared on the same ground: initial weights, goal pool, start states,
+//! evaluation episodes.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
@@ -297,6 +298,7 @@ fn nobody_learns_in_a_warm_up() {
         ["student.warmup_episodes=6", "curriculum.vds.updates_per_cycle=4", "curriculum.vds.candidates=20"];
     let mut updates = Updates(Vec::new());
     watched("vds", SEED, &more, &mut updates);
-    // Cycles of two episodes, 4 steps of both in each from the third on, when 6 episodes are over; evaluated every other cycle.
+    // Cycles of two episodes, 4 steps of both in each from the third on, when 6 episodes are over; evaluated
+    // every other cycle.
     assert_eq!(updates.0, [(0, 0), (0, 0), (8, 8), (16, 16), (24, 24), (32, 32)]);
 }

@@ -1,7 +1,7 @@
 //! Pictures of environments, without a screen.
 //!
-//! What lies in the plane is drawn from above. Simulations are drawn by MuJoCo through EGL; on a machine without a graphics card Mesa's
-//! software renderer does (Debian's `libegl1` and `libgl1-mesa-dri`).
+//! What lies in the plane is drawn from above. Simulations are drawn by MuJoCo through EGL; on a machine
+//! without a graphics card Mesa's software renderer does (Debian's `libegl1` and `libgl1-mesa-dri`).
 
 mod image;
 mod plane;

@@ -13,8 +13,8 @@ pub enum Scene<'a> {
 /// A rectangle in the plane: its lowest and its highest coordinates.
 pub type Rectangle = [[f64; 2]; 2];
 
-/// Something that moves on the square [-1, 1]², and where it shall come to. In pictures the first coordinate runs
-/// downwards and the second to the right, as the rows and columns of a matrix do.
+/// Something that moves on the square [-1, 1]², and where it shall come to. In pictures the first coordinate
+/// runs downwards and the second to the right, as the rows and columns of a matrix do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneScene<'a> {
     /// The parts without walls; nothing where all of the square is free.

@@ -14,7 +14,8 @@ const MAX_SPHERES: usize = 16;
 
 /// Draws simulations of one model.
 ///
-/// It has a copy of the model and a state of its own, so that neither markers nor `mj_forward` touch the environment.
+/// It has a copy of the model and a state of its own, so that neither markers nor `mj_forward` touch the
+/// environment.
 pub(super) struct SimulationRenderer {
     /// The environment's model, to recognise it by.
     source: Arc<MjModel>,

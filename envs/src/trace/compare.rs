@@ -83,7 +83,8 @@ impl Comparison {
         }
     }
 
-    /// Compares the constants of the environment with `meta`. Returns the names in `meta` that were not asked for.
+    /// Compares the constants of the environment with `meta`. Returns the names in `meta` that were not asked
+    /// for.
     ///
     /// # Errors
     /// [`Problem::Missing`] if a constant is not in `meta`.

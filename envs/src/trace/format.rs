@@ -42,7 +42,8 @@ pub(super) struct Reset {
     pub(super) achieved_goal: Vec<f64>,
 }
 
-/// A start, a goal, actions, and what they led to; every list but the first five fields has one entry per step.
+/// A start, a goal, actions, and what they led to; every list but the first five fields has one entry per
+/// step.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Trace {

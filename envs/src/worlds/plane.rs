@@ -1,4 +1,5 @@
-//! What Point and the mazes share: a point on the square [−1, 1]² that sees where it is and shall come near a goal.
+//! What Point and the mazes share: a point on the square [−1, 1]² that sees where it is and shall come near a
+//! goal.
 
 use serde_json::{Map, Value};
 

@@ -1,6 +1,7 @@
 //! A toy task for tests: a point on a square that moves where it is pushed.
 //!
-//! Cheap and easily solved, so that a learning test can tell a working student from a broken one within seconds.
+//! Cheap and easily solved, so that a learning test can tell a working student from a broken one within
+//! seconds.
 
 use serde_json::Value;
 

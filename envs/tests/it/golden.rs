@@ -1,6 +1,7 @@
 //! Replays recordings of the original environments.
 //!
-//! `tests/golden` holds trimmed copies of full recordings. `GOALBENCH_TRACES=folder` replays another folder instead.
+//! `tests/golden` holds trimmed copies of full recordings. `GOALBENCH_TRACES=folder` replays another folder
+//! instead.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -49,8 +50,8 @@ const RESETS: usize = 2;
 const PER_STEP: [&str; 7] =
     ["actions", "observation", "achieved_goal", "reward", "is_success", "qpos", "qvel"];
 
-/// Writes `tests/golden` anew from the full recordings in `GOALBENCH_TRACES`: one random and the scripted trace of
-/// each, both shortened, and two resets. Mazes, which are small, stay whole.
+/// Writes `tests/golden` anew from the full recordings in `GOALBENCH_TRACES`: one random and the scripted
+/// trace of each, both shortened, and two resets. Mazes, which are small, stay whole.
 #[test]
 #[ignore = "rewrites tests/golden"]
 fn trim_recordings() {

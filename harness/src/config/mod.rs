@@ -63,8 +63,8 @@ pub struct Evaluation {
     pub goals: EvaluationGoals,
 }
 
-/// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the goal space", which "consists
-/// of N goals".
+/// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the
+/// goal space", which "consists of N goals".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EvaluationGoals {

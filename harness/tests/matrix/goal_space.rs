@@ -36,7 +36,8 @@ impl GoalSpace {
     pub(crate) fn contains(&self, goal: &[f32]) -> bool {
         let goal: Vec<f64> = goal.iter().map(|&x| f64::from(x)).collect();
         let Observation { state, achieved } = &self.start;
-        // The state of all Fetch tasks begins with the gripper's position. An object rests at the height of the table.
+        // The state of all Fetch tasks begins with the gripper's position. An object rests at the height of
+        // the table.
         let beside = |ahead: f64, reach: f64| {
             (goal[0] - state[0] - ahead).abs() <= reach + RESTING
                 && (goal[1] - state[1]).abs() <= reach + RESTING
@@ -63,7 +64,8 @@ fn distances<'a>(a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
     a.iter().zip(b).map(|(a, b)| (a - b).abs())
 }
 
-/// Five fingertips: all where they start, or the thumb (the last) and one finger close together and the others there.
+/// Five fingertips: all where they start, or the thumb (the last) and one finger close together and the
+/// others there.
 fn at_rest_or_meeting(goal: &[f64], start: &[f64]) -> bool {
     let tips: Vec<(&[f64], &[f64])> = goal.chunks(3).zip(start.chunks(3)).collect();
     let moved: Vec<usize> =

@@ -1,8 +1,9 @@
-//! The Fetch arm: reach, push, slide, pick and place (Plappert et al. 2018, "Multi-Goal Reinforcement Learning").
+//! The Fetch arm: reach, push, slide, pick and place (Plappert et al. 2018, "Multi-Goal Reinforcement
+//! Learning").
 //!
-//! Follows gymnasium-robotics 1.4.2's `-v4` environments. The arm is moved by a mocap body that its gripper is welded
-//! to; an action moves the mocap body. Lengths are metres, angles radians; velocities in observations are per
-//! environment step (0.04 s), as in the reference.
+//! Follows gymnasium-robotics 1.4.2's `-v4` environments. The arm is moved by a mocap body that its gripper
+//! is welded to; an action moves the mocap body. Lengths are metres, angles radians; velocities in
+//! observations are per environment step (0.04 s), as in the reference.
 
 mod observe;
 mod task;
@@ -92,8 +93,8 @@ struct Settled {
 }
 
 impl Settled {
-    /// Simulates the set-up, or gives what an earlier simulation of it came to: a student that is evaluated on twenty
-    /// instances would otherwise wait for seconds at every start of a run.
+    /// Simulates the set-up, or gives what an earlier simulation of it came to: a student that is evaluated
+    /// on twenty instances would otherwise wait for seconds at every start of a run.
     fn of(sim: &mut Sim, task: &'static Task, parts: &Parts) -> Result<Arc<Self>, EnvError> {
         type Known = Mutex<Vec<(Arc<MjModel>, &'static Task, Arc<Settled>)>>;
         static KNOWN: Known = Mutex::new(Vec::new());
@@ -141,8 +142,9 @@ impl Fetch {
         self.sim.restore(&self.settled.initial);
     }
 
-    /// Moves the mocap body: gripper position + 0.05·a for the first three numbers of the action, and the reference's
-    /// (unnormalised) turn. Where the fingers are free, the fourth number shifts their position targets.
+    /// Moves the mocap body: gripper position + 0.05·a for the first three numbers of the action, and the
+    /// reference's (unnormalised) turn. Where the fingers are free, the fourth number shifts their position
+    /// targets.
     fn act(&mut self, action: &[f64]) {
         let (fingers, gripper) = (self.parts.fingers, self.gripper);
         let position = self.sim.data().xpos()[gripper];
@@ -160,8 +162,8 @@ impl Fetch {
         }
     }
 
-    /// Closes blocked fingers, which leaves their velocity alone. Free fingers get no `mj_forward` either, so that
-    /// site positions lag one substep behind, as in the reference.
+    /// Closes blocked fingers, which leaves their velocity alone. Free fingers get no `mj_forward` either, so
+    /// that site positions lag one substep behind, as in the reference.
     fn hold_fingers(&mut self) {
         if !self.task.fingers_blocked {
             return;
@@ -198,8 +200,8 @@ impl World for Fetch {
         self.sim.check()
     }
 
-    /// Gripper position + U(±range)³ + offset; with an object at the object's height, in the air half of the time
-    /// for the tasks that lift.
+    /// Gripper position + U(±range)³ + offset; with an object at the object's height, in the air half of the
+    /// time for the tasks that lift.
     fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
         let range = self.task.target_range;
         let shift: [f64; 3] = draws.uniform([-range; 3], [range; 3]);

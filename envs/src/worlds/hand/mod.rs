@@ -1,5 +1,6 @@
-//! The Shadow Dexterous Hand: reaching with the fingertips, turning objects (Plappert et al. 2018, "Multi-Goal
-//! Reinforcement Learning"). Follows gymnasium-robotics 1.4.2's `HandReach-v3` and `HandManipulate…-v1`.
+//! The Shadow Dexterous Hand: reaching with the fingertips, turning objects (Plappert et al. 2018,
+//! "Multi-Goal Reinforcement Learning"). Follows gymnasium-robotics 1.4.2's `HandReach-v3` and
+//! `HandManipulate…-v1`.
 
 mod manipulate;
 mod reach;
@@ -51,8 +52,8 @@ const fn turn(id: &'static str, constructor: Constructor, title: &'static str) -
     row(id, [61, 7, 100], constructor, title, Verification::EXACT)
 }
 
-/// The egg rolls on curved contacts: with native CCD its traces differ by up to 3e-4 between types of CPU, where those
-/// of all other environments stay below 1e-11.
+/// The egg rolls on curved contacts: with native CCD its traces differ by up to 3e-4 between types of CPU,
+/// where those of all other environments stay below 1e-11.
 const fn egg(id: &'static str, constructor: Constructor, title: &'static str) -> Environment {
     let verification = Verification::Recorded { paper: Verification::ROUNDING, native_ccd: 1e-3 };
     row(id, [61, 7, 100], constructor, title, verification)

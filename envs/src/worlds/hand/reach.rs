@@ -141,8 +141,8 @@ impl World for HandReach {
         self.hand.sim.advance()
     }
 
-    /// Joint positions 24, joint velocities 24, fingertips 15. After a step the fingertips lag one substep behind
-    /// the joints, as in the reference.
+    /// Joint positions 24, joint velocities 24, fingertips 15. After a step the fingertips lag one substep
+    /// behind the joints, as in the reference.
     fn observe(&self, observation: &mut Observation) {
         let tips = self.tips_now();
         let mut state = Writer::new(&mut observation.state);

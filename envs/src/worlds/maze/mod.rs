@@ -1,7 +1,8 @@
-//! The point mazes of VDS (Zhang, Abbeel, Pinto 2020, "Automatic Curriculum Learning through Value Disagreement").
+//! The point mazes of VDS (Zhang, Abbeel, Pinto 2020, "Automatic Curriculum Learning through Value
+//! Disagreement").
 //!
-//! A point moves with the velocity it is told on [−1, 1]²; walls stop it. State = achieved goal = position, in the
-//! units of the square.
+//! A point moves with the velocity it is told on [−1, 1]²; walls stop it. State = achieved goal = position,
+//! in the units of the square.
 
 mod grid;
 
@@ -117,8 +118,8 @@ mod tests {
 
     #[test]
     fn a_wall_ends_the_motion_at_the_last_free_substep() {
-        // Cell (1, 1) of maze A ends at 2·2/13 − 1 = −0.6923 upwards of row 0; row 0 is wall, above
-        // x₀ = 2/13 − 1 = −0.84615. From the centre −0.76923 seven sub-steps of 0.01 fit, the eighth does not.
+        // Cell (1, 1) of maze A ends at 2·2/13 − 1 = −0.6923 upwards of row 0; row 0 is wall, above x₀ = 2/13
+        // − 1 = −0.84615. From the centre −0.76923 seven sub-steps of 0.01 fit, the eighth does not.
         let [x, y] = Grid::parse(&A).moved(Cell { row: 1, column: 1 }.centre(), [-1.0, 0.0]);
         assert!((x - (-10.0 / 13.0 - 0.07)).abs() < 1e-12, "{x}");
         assert_eq!(y, Cell { row: 1, column: 1 }.centre()[1]);

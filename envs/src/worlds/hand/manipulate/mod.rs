@@ -25,12 +25,14 @@ const SPREAD: f64 = 0.005;
 const SETTLING: usize = 10;
 /// An object whose centre lies no higher than this has fallen off the palm, metres.
 const FLOOR: f64 = 0.04;
-/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries for ever.
+/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries for
+/// ever.
 const ATTEMPTS: usize = 100;
 /// Goals with a position lie this far from where the object settled, metres.
 const TARGET_RANGE: [(f64, f64); 3] = [(-0.04, 0.04), (-0.06, 0.02), (0.0, 0.06)];
 
-/// Where the position is no part of the goal, pictures show the goal's rotation this far beside the hand, metres.
+/// Where the position is no part of the goal, pictures show the goal's rotation this far beside the hand,
+/// metres.
 const GHOST_ASIDE: f64 = 0.15;
 
 /// An object's pose: position 3 (metres), quaternion 4.
@@ -73,10 +75,11 @@ impl Manipulate {
         std::array::from_fn(|i| self.hand.sim.data().qpos()[first + i])
     }
 
-    /// Back to the initial state. The reference does this without `mj_resetData`, so that controls and the solver's
-    /// warm start stay from the episode before. Here nothing stays. It makes no difference that could be seen: MuJoCo
-    /// starts its solver from the better of warm start and unconstrained acceleration, and what stays from another
-    /// state is never the better one (no bit differed in 750 resets of the reference with and without).
+    /// Back to the initial state. The reference does this without `mj_resetData`, so that controls and the
+    /// solver's warm start stay from the episode before. Here nothing stays. It makes no difference that
+    /// could be seen: MuJoCo starts its solver from the better of warm start and unconstrained acceleration,
+    /// and what stays from another state is never the better one (no bit differed in 750 resets of the
+    /// reference with and without).
     fn back_to_start(&mut self) {
         let sim = &mut self.hand.sim;
         sim.data_mut().reset();
@@ -95,7 +98,8 @@ impl Manipulate {
         joined([x + dx, y + dy, z + dz], normalized(quat))
     }
 
-    /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the palm.
+    /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the
+    /// palm.
     fn settle(&mut self, pose: &Pose) -> Result<bool, EnvError> {
         let first = self.object.qpos;
         self.hand.sim.data_mut().qpos_mut()[first..first + 7].copy_from_slice(pose);
@@ -211,8 +215,8 @@ mod tests {
     use crate::rng::{Purpose, stream};
     use crate::world::World;
 
-    /// Where the object comes to rest after an episode's worth of movement, if the state is restored `cleanly`
-    /// (`mj_resetData` first) or as the reference does.
+    /// Where the object comes to rest after an episode's worth of movement, if the state is restored
+    /// `cleanly` (`mj_resetData` first) or as the reference does.
     fn settled(id: &'static str, task: &'static Task, cleanly: bool) -> Snapshot {
         let mut world = Manipulate::new(id, task, Physics::Paper).unwrap();
         let pose = world.draw_start(&mut Draws::from(&mut stream(3, Purpose::Environment)));

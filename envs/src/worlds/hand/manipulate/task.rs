@@ -81,8 +81,9 @@ fn split(pose: &[f64]) -> (&[f64], Quat) {
     (&pose[..3], [pose[3], pose[4], pose[5], pose[6]])
 }
 
-/// Angle between two rotations, radians. With `any_turn_about_z` the achieved rotation first gets the goal's last
-/// Euler angle. This holds for hindsight goals too: the reference's batched reward overwrites another number there.
+/// Angle between two rotations, radians. With `any_turn_about_z` the achieved rotation first gets the goal's
+/// last Euler angle. This holds for hindsight goals too: the reference's batched reward overwrites another
+/// number there.
 fn rotation_distance(achieved: Quat, goal: Quat, any_turn_about_z: bool) -> f64 {
     if !any_turn_about_z {
         return angle_between(achieved, goal);

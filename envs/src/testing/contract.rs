@@ -1,4 +1,4 @@
-//! The contract of environments, for tests inside and outside of this crate.
+//! The contract of environments.
 
 use crate::env::{GoalEnv, Observation};
 use crate::error::EnvError;
@@ -26,7 +26,8 @@ const RULES: &[(&str, Rule)] = &[
     ("it can be drawn, if it has a scene, and does not notice", drawing_changes_nothing),
 ];
 
-/// Checks everything that curricula, students and reports rely on in an environment. Write one test for each of yours:
+/// Checks everything that curricula, students and reports rely on in an environment. Write one test for each
+/// of yours:
 ///
 /// ```
 /// envs::testing::contract(envs::find("Point")?);
@@ -34,24 +35,27 @@ const RULES: &[(&str, Rule)] = &[
 /// ```
 ///
 /// In this order:
-/// - the row has id, title and source, and its defaults can be trained with; a row that is verified by recordings can
-///   play them back;
-/// - what it makes has the spec of the row, and observation, achieved goal and goal have the spec's lengths and are finite
-///   from its making through a whole episode of random actions, which no step ends early;
-/// - the same stream gives the same episode, whatever was played, asked for or set before, and another stream another one;
+/// - the row has id, title and source, and its defaults can be trained with; a row that is verified by
+///   recordings can play them back;
+/// - what it makes has the spec of the row, and observation, achieved goal and goal have the spec's lengths
+///   and are finite from its making through a whole episode of random actions, which no step ends early;
+/// - the same stream gives the same episode, whatever was played, asked for or set before, and another stream
+///   another one;
 /// - two instances that are stepped in turn show what each shows alone;
-/// - `set_goal` refuses a goal of another length ([`EnvError::GoalLength`]) or with a number that is not finite
-///   ([`EnvError::NotFinite`]) and keeps the old one; it takes a good one as it is;
-/// - `step` refuses an action of another length ([`EnvError::ActionLength`]) or with a number that is not finite, and the
-///   episode goes on as if nothing had happened; actions beyond [-1, 1] equal clipped ones;
-/// - `sample_goal` draws finite goals that are not all alike, disturbs neither goal nor observation nor the steps to come,
-///   and draws the same at the start and later in an episode;
-/// - the reward is 0 where there is success and -1 elsewhere, for goals from the achieved one to those that the environment
-///   asks for; what is achieved succeeds as its own goal, and not every goal is achieved from the beginning;
-/// - with a scene it is drawn at the size asked for and is the same afterwards (for simulations only on machines with
-///   OpenGL).
+/// - `set_goal` refuses a goal of another length ([`EnvError::GoalLength`]) or with a number that is not
+///   finite ([`EnvError::NotFinite`]) and keeps the old one; it takes a good one as it is;
+/// - `step` refuses an action of another length ([`EnvError::ActionLength`]) or with a number that is not
+///   finite, and the episode goes on as if nothing had happened; actions beyond [-1, 1] equal clipped ones;
+/// - `sample_goal` draws finite goals that are not all alike, disturbs neither goal nor observation nor the
+///   steps to come, and draws the same at the start and later in an episode;
+/// - the reward is 0 where there is success and -1 elsewhere, for goals from the achieved one to those that
+///   the environment asks for; what is achieved succeeds as its own goal, and not every goal is achieved from
+///   the beginning;
+/// - with a scene it is drawn at the size asked for and is the same afterwards (for simulations only on
+///   machines with OpenGL).
 ///
-/// Whether a step allocates memory, and whether its draws have the distribution that they should, is left to other tests.
+/// Whether a step allocates memory, and whether its draws have the distribution that they should, is left to
+/// other tests.
 ///
 /// # Panics
 /// Naming the environment, every rule that it breaks, and how.
