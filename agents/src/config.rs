@@ -3,7 +3,7 @@
 //! Defaults are TEACH's values where the paper gives one, else those of the public HER configuration of
 //! OpenAI Baselines, which VDS's official code shares.
 
-use envs::{Family, Spec};
+use envs::Spec;
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
@@ -17,8 +17,8 @@ use crate::replay::{HerStrategy, Hindsight};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// One student for all curricula: batch 1024, depth by environment family (TEACH, section 5.2), 2
-    /// episodes per cycle.
+    /// One student for all curricula: batch 1024, as many layers as the environment says (TEACH, section
+    /// 5.2), 2 episodes per cycle.
     #[default]
     Harmonised,
     /// The settings of the compared methods' official code: batch 256, three hidden layers (VDS,
@@ -62,7 +62,7 @@ pub struct StudentConfig {
     pub batch: Auto<usize>,
     /// Units per hidden layer, at least 1. 256 (Baselines; TEACH does not say).
     pub width: usize,
-    /// Hidden layers, 1 to 8. Auto: 2, for the Hand 3 (TEACH 5.2); `official` 3.
+    /// Hidden layers, 1 to 8. Auto: what the environment says, 2 and for the Hand 3 (TEACH 5.2); `official` 3.
     pub layers: Auto<usize>,
     /// Discount γ in [0, 1). Auto: 1 − 1/H (Baselines).
     pub gamma: Auto<f64>,
@@ -142,9 +142,9 @@ impl StudentConfig {
 
     /// Hidden layers for the task `spec`.
     pub fn layers(&self, spec: &Spec) -> usize {
-        self.layers.value_or(|| match (self.preset, spec.family) {
-            (Preset::Official, _) | (Preset::Harmonised, Family::Hand) => 3,
-            (Preset::Harmonised, Family::Fetch | Family::Maze | Family::Toy) => 2,
+        self.layers.value_or(|| match self.preset {
+            Preset::Harmonised => spec.defaults.layers,
+            Preset::Official => 3,
         })
     }
 

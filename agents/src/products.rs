@@ -138,7 +138,7 @@ impl Products {
 #[cfg(test)]
 mod tests {
     use envs::rng::{Purpose, stream};
-    use envs::{Family, Options, Rows, Spec};
+    use envs::{Defaults, EnvOptions, Rows, Spec};
 
     use super::Products;
     use crate::agent::Episode;
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn they_are_those_that_a_gradient_step_does() {
         crate::prepare_thread();
-        let env = envs::make("Point", &Options::default()).unwrap();
+        let env = envs::make("Point", &EnvOptions::default()).unwrap();
         let (spec, mut rng) = (env.spec(), stream(0, Purpose::Replay));
         let rows = |width: usize, count: usize| {
             let mut rows = Rows::new(width);
@@ -188,7 +188,15 @@ mod tests {
     /// → 4 and a critic 32 → w → w → 1, a product being 2·rows·inner·columns operations.
     #[test]
     fn a_step_of_two_layers_is_28_products_and_of_three_38() {
-        let spec = Spec { id: "Push", family: Family::Fetch, state: 25, goal: 3, action: 4, horizon: 50 };
+        let spec = Spec {
+            id: "Push",
+            family: "fetch",
+            state: 25,
+            goal: 3,
+            action: 4,
+            horizon: 50,
+            defaults: Defaults::TOY,
+        };
         let products = |layers| {
             let config = StudentConfig { layers: Auto::Value(layers), ..StudentConfig::default() };
             Products::new(&config, &spec).unwrap()

@@ -22,7 +22,7 @@ use agents::{Agent, Episode, StudentConfig};
 use curricula::testing::standing_still;
 use curricula::{CURRICULA, Curriculum, Lesson, Setting};
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Options, draw_pool};
+use envs::{EnvOptions, GoalEnv, draw_pool};
 
 /// The teachers that together may cost [`BAR`], measuring from the coming start.
 const CHEAP: [&str; 3] = ["teach", "space", "procurl"];
@@ -60,7 +60,7 @@ struct Classroom {
 
 impl Classroom {
     fn new() -> (Self, Setting) {
-        let mut env = envs::make("MazeA", &Options::default()).expect("a maze");
+        let mut env = envs::make("MazeA", &EnvOptions::default()).expect("a maze");
         let spec = env.spec().clone();
         let pool = draw_pool(&mut *env, 1000, &mut stream(0, Purpose::Pool)).expect("a pool");
         let config = StudentConfig::default().resolve(&spec).expect("valid defaults");

@@ -1,8 +1,9 @@
 //! What a step costs beside the physics it consists of.
 //!
-//! `cargo bench --package envs` first prints, for one environment of each kind, the cost of a step and of the 20
-//! `mj_step` calls in it, on the same states of one episode, and their ratio; then criterion's `step` and `reset`.
-//! The ratio takes the fastest of many repetitions of each step, so that other processes do not disturb it.
+//! `cargo bench --package envs` first prints, for one environment of each kind, the cost of a step and of the
+//! 20 `mj_step` calls in it, on the same states of one episode, and their ratio; then criterion's `step` and
+//! `reset`. The ratio takes the fastest of many repetitions of each step, so that other processes do not
+//! disturb it.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints what it measured")]
 
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group};
 use envs::rng::{Purpose, stream};
-use envs::{GoalEnv, Options, SimulationStart, Start, make};
+use envs::{EnvOptions, GoalEnv, SimulationStart, Start, make};
 use mujoco_rs::wrappers::mj_data::MjData;
 use mujoco_rs::wrappers::mj_model::MjModel;
 use rand::Rng as _;
@@ -36,7 +37,7 @@ const SIMULATED: [(&str, &str); 7] = [
 ];
 
 fn build(id: &str) -> Box<dyn GoalEnv> {
-    make(id, &Options::default()).expect("the environment can be built")
+    make(id, &EnvOptions::default()).expect("the environment can be built")
 }
 
 fn actions(env: &dyn GoalEnv) -> Vec<Vec<f64>> {
@@ -46,7 +47,7 @@ fn actions(env: &dyn GoalEnv) -> Vec<Vec<f64>> {
 }
 
 fn capture(env: &mut dyn GoalEnv) -> SimulationStart {
-    match env.replay().map(|env| env.capture()) {
+    match env.playback().map(|env| env.capture()) {
         Some(Start::Simulation(state)) => state,
         _ => unreachable!("a simulated environment"),
     }
@@ -79,8 +80,8 @@ fn time_physics(data: &mut MjData<&MjModel>, start: &SimulationStart) -> Duratio
     began.elapsed()
 }
 
-/// The mean times of a step and of its physics over an episode, each step's the fastest of all repetitions. The two
-/// are timed in turns.
+/// The mean times of a step and of its physics over an episode, each step's the fastest of all repetitions.
+/// The two are timed in turns.
 fn time(id: &str, file: &str) -> [Duration; 2] {
     let mut env = build(id);
     let model = load(file);

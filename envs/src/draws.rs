@@ -1,41 +1,87 @@
 //! Where an environment's random numbers come from: a seeded stream, or the draws recorded with a reset.
 
-use std::convert::Infallible;
-
 use rand::Rng as _;
 use rand_distr::StandardNormal;
 use serde::Deserialize;
 
-use crate::rng::Rng;
+use crate::rng::{Purpose, Rng, stream};
 
-/// The distributions that environments draw from.
-pub(crate) trait Draws {
-    /// Why a draw can fail; seeded streams never fail.
-    type Error;
+/// What a [`World`](crate::World) draws its starts and goals from.
+///
+/// ```
+/// use envs::Draws;
+/// use envs::rng::{Purpose, stream};
+///
+/// let mut rng = stream(0, Purpose::Environment);
+/// let mut draws = Draws::from(&mut rng);
+/// let [x, y] = draws.uniform([0.0, -2.0], [1.0, 2.0]);
+/// assert!((0.0..1.0).contains(&x) && (-2.0..2.0).contains(&y));
+/// assert!(draws.index(3) < 3);
+/// ```
+pub struct Draws<'a>(Origin<'a>);
 
-    /// Independent uniform numbers, component i on [`low[i]`, `high[i]`).
-    fn uniform<const N: usize>(&mut self, low: [f64; N], high: [f64; N]) -> Result<[f64; N], Self::Error>;
-
-    /// Independent normal numbers of mean 0 and standard deviation `deviation`.
-    fn normal<const N: usize>(&mut self, deviation: f64) -> Result<[f64; N], Self::Error>;
-
-    /// A uniform index in 0..`n`.
-    fn index(&mut self, n: usize) -> Result<usize, Self::Error>;
+enum Origin<'a> {
+    Stream(&'a mut Rng),
+    Recorded(&'a mut RecordedDraws),
 }
 
-impl Draws for Rng {
-    type Error = Infallible;
+impl<'a> From<&'a mut Rng> for Draws<'a> {
+    fn from(rng: &'a mut Rng) -> Self {
+        Self(Origin::Stream(rng))
+    }
+}
 
-    fn uniform<const N: usize>(&mut self, low: [f64; N], high: [f64; N]) -> Result<[f64; N], Infallible> {
-        Ok(std::array::from_fn(|i| low[i] + (high[i] - low[i]) * self.random::<f64>()))
+impl<'a> From<&'a mut RecordedDraws> for Draws<'a> {
+    fn from(recorded: &'a mut RecordedDraws) -> Self {
+        Self(Origin::Recorded(recorded))
+    }
+}
+
+impl Draws<'_> {
+    /// Independent uniform numbers, component i on [`low[i]`, `high[i]`).
+    pub fn uniform<const N: usize>(&mut self, low: [f64; N], high: [f64; N]) -> [f64; N] {
+        if let Origin::Recorded(recorded) = &mut self.0 {
+            let domain = format!("on {low:?} to {high:?}");
+            let inside = |i: usize, value| i < N && (low[i]..=high[i]).contains(&value);
+            if let Some(numbers) = recorded.next(&[DrawKind::Uniform], &domain, inside) {
+                return numbers;
+            }
+        }
+        let rng = self.stream();
+        std::array::from_fn(|i| low[i] + (high[i] - low[i]) * rng.random::<f64>())
     }
 
-    fn normal<const N: usize>(&mut self, deviation: f64) -> Result<[f64; N], Infallible> {
-        Ok(std::array::from_fn(|_| deviation * self.sample::<f64, _>(StandardNormal)))
+    /// Independent normal numbers of mean 0 and standard deviation `deviation`.
+    pub fn normal<const N: usize>(&mut self, deviation: f64) -> [f64; N] {
+        if let Origin::Recorded(recorded) = &mut self.0
+            && let Some(numbers) = recorded.next(&[DrawKind::Normal], "", |_, value| value.is_finite())
+        {
+            return numbers;
+        }
+        let rng = self.stream();
+        std::array::from_fn(|_| deviation * rng.sample::<f64, _>(StandardNormal))
     }
 
-    fn index(&mut self, n: usize) -> Result<usize, Infallible> {
-        Ok(self.random_range(0..n))
+    /// A uniform index in 0..`n`.
+    ///
+    /// # Panics
+    /// If `n` is 0.
+    pub fn index(&mut self, n: usize) -> usize {
+        if let Origin::Recorded(recorded) = &mut self.0 {
+            let whole = |_, value: f64| value.fract() == 0.0 && value >= 0.0 && value < n as f64;
+            let kinds = [DrawKind::Integers, DrawKind::Choice];
+            if let Some([index]) = recorded.next(&kinds, &format!("below {n}"), whole) {
+                return index as usize;
+            }
+        }
+        self.stream().random_range(0..n)
+    }
+
+    fn stream(&mut self) -> &mut Rng {
+        match &mut self.0 {
+            Origin::Stream(rng) => rng,
+            Origin::Recorded(recorded) => &mut recorded.instead,
+        }
     }
 }
 
@@ -84,27 +130,33 @@ pub enum DrawError {
 }
 
 /// Recorded draws, handed out in order.
+///
+/// From the first that does not fit what is asked for, numbers come from a seeded stream instead, so that a
+/// reset comes to its end; [`RecordedDraws::finish`] tells.
 #[derive(Clone, Debug)]
-pub struct RecordedDraws<'a> {
-    draws: &'a [Draw],
+pub struct RecordedDraws {
+    draws: Vec<Draw>,
     used: usize,
+    misfit: Option<DrawError>,
+    instead: Rng,
 }
 
-impl<'a> RecordedDraws<'a> {
+impl RecordedDraws {
     /// Starts at the first draw.
-    pub fn new(draws: &'a [Draw]) -> Self {
-        Self { draws, used: 0 }
+    pub fn new(draws: &[Draw]) -> Self {
+        Self { draws: draws.to_vec(), used: 0, misfit: None, instead: stream(0, Purpose::Environment) }
     }
 
-    /// Checks that every recorded draw was asked for.
+    /// Checks that every recorded draw was asked for, and nothing else.
     ///
     /// # Errors
-    /// [`DrawError::LeftOver`] otherwise.
+    /// [`DrawError`] for the first draw that did not fit, or for those that are left.
     pub fn finish(&self) -> Result<(), DrawError> {
-        if self.used == self.draws.len() {
-            return Ok(());
+        match &self.misfit {
+            Some(misfit) => Err(misfit.clone()),
+            None if self.used == self.draws.len() => Ok(()),
+            None => Err(DrawError::LeftOver { used: self.used, recorded: self.draws.len() }),
         }
-        Err(DrawError::LeftOver { used: self.used, recorded: self.draws.len() })
     }
 
     /// The next draw, if it is of one of `kinds`, has N numbers, and each lies where `fits` wants it.
@@ -113,39 +165,28 @@ impl<'a> RecordedDraws<'a> {
         kinds: &[DrawKind],
         domain: &str,
         fits: impl Fn(usize, f64) -> bool,
-    ) -> Result<[f64; N], DrawError> {
+    ) -> Option<[f64; N]> {
+        if self.misfit.is_some() {
+            return None;
+        }
         let index = self.used;
-        let Draw(kind, values) = self.draws.get(index).ok_or(DrawError::Missing(index))?;
+        let Some(Draw(kind, values)) = self.draws.get(index) else {
+            self.misfit = Some(DrawError::Missing(index));
+            return None;
+        };
         self.used += 1;
         let inside = values.iter().enumerate().all(|(i, &value)| fits(i, value));
         match <[f64; N]>::try_from(values.as_slice()) {
-            Ok(numbers) if kinds.contains(kind) && inside => Ok(numbers),
-            _ => Err(DrawError::Mismatch {
-                index,
-                expected: format!("{N} of {:?} {domain}", kinds[0]),
-                got: format!("{} of {kind:?}: {values:?}", values.len()),
-            }),
+            Ok(numbers) if kinds.contains(kind) && inside => Some(numbers),
+            _ => {
+                self.misfit = Some(DrawError::Mismatch {
+                    index,
+                    expected: format!("{N} of {:?} {domain}", kinds[0]),
+                    got: format!("{} of {kind:?}: {values:?}", values.len()),
+                });
+                None
+            }
         }
-    }
-}
-
-impl Draws for RecordedDraws<'_> {
-    type Error = DrawError;
-
-    fn uniform<const N: usize>(&mut self, low: [f64; N], high: [f64; N]) -> Result<[f64; N], DrawError> {
-        let domain = format!("on {low:?} to {high:?}");
-        self.next(&[DrawKind::Uniform], &domain, |i, value| i < N && (low[i]..=high[i]).contains(&value))
-    }
-
-    fn normal<const N: usize>(&mut self, _deviation: f64) -> Result<[f64; N], DrawError> {
-        self.next(&[DrawKind::Normal], "", |_, value| value.is_finite())
-    }
-
-    fn index(&mut self, n: usize) -> Result<usize, DrawError> {
-        let whole = |_, value: f64| value.fract() == 0.0 && value >= 0.0 && value < n as f64;
-        let [index] =
-            self.next::<1>(&[DrawKind::Integers, DrawKind::Choice], &format!("below {n}"), whole)?;
-        Ok(index as usize)
     }
 }
 
@@ -157,25 +198,31 @@ mod tests {
     fn recorded_draws_come_in_order_and_must_all_be_used() {
         let draws = [Draw(DrawKind::Uniform, vec![0.25, -1.0]), Draw(DrawKind::Choice, vec![3.0])];
         let mut recorded = RecordedDraws::new(&draws);
-        assert_eq!(recorded.uniform([-1.0; 2], [1.0; 2]), Ok([0.25, -1.0]));
+        assert_eq!(Draws::from(&mut recorded).uniform([-1.0; 2], [1.0; 2]), [0.25, -1.0]);
         assert_eq!(recorded.finish(), Err(DrawError::LeftOver { used: 1, recorded: 2 }));
-        assert_eq!(recorded.index(4), Ok(3));
+        assert_eq!(Draws::from(&mut recorded).index(4), 3);
         assert_eq!(recorded.finish(), Ok(()));
-        assert_eq!(recorded.normal::<1>(1.0), Err(DrawError::Missing(2)));
+        let [_] = Draws::from(&mut recorded).normal(1.0);
+        assert_eq!(recorded.finish(), Err(DrawError::Missing(2)));
     }
 
     #[test]
-    fn a_draw_of_another_kind_count_or_range_is_refused() {
+    fn a_draw_of_another_kind_count_or_range_is_noticed_for_good() {
         for (draw, why) in [
             (Draw(DrawKind::Normal, vec![0.5]), "kind"),
             (Draw(DrawKind::Uniform, vec![0.5, 0.5]), "count"),
             (Draw(DrawKind::Uniform, vec![1.5]), "range"),
         ] {
-            let draws = [draw];
-            let outcome = RecordedDraws::new(&draws).uniform([0.0], [1.0]);
+            let mut recorded = RecordedDraws::new(&[draw, Draw(DrawKind::Uniform, vec![0.5])]);
+            for _ in 0..2 {
+                let [instead] = Draws::from(&mut recorded).uniform([0.0], [1.0]);
+                assert!((0.0..1.0).contains(&instead) && instead != 0.5, "{why}: {instead}");
+            }
+            let outcome = recorded.finish();
             assert!(matches!(outcome, Err(DrawError::Mismatch { index: 0, .. })), "{why}: {outcome:?}");
         }
-        let fractional = [Draw(DrawKind::Integers, vec![1.5])];
-        assert!(RecordedDraws::new(&fractional).index(4).is_err());
+        let mut fractional = RecordedDraws::new(&[Draw(DrawKind::Integers, vec![1.5])]);
+        assert!(Draws::from(&mut fractional).index(4) < 4);
+        assert!(fractional.finish().is_err());
     }
 }

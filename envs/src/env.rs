@@ -1,32 +1,18 @@
 //! What every goal-conditioned environment offers.
 
 use crate::error::EnvError;
+use crate::playback::Playback;
 use crate::render::Scene;
-use crate::replay::Replay;
 use crate::rng::Rng;
 use crate::rows::Goals;
 
-/// The family an environment belongs to; the paper fixes depth of networks and budget per family.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Family {
-    /// Analytic toy task for tests.
-    Toy,
-    /// Two-dimensional point mazes.
-    Maze,
-    /// Fetch arm on MuJoCo.
-    Fetch,
-    /// Shadow Hand on MuJoCo.
-    Hand,
-}
-
 /// The constants of an environment.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec {
     /// Registry id, such as `FetchReach`.
     pub id: &'static str,
-    /// Family.
-    pub family: Family,
+    /// A label for lists, such as `fetch`. Nothing depends on it.
+    pub family: &'static str,
     /// S, dimension of the state (the reference's `observation`, without goals).
     pub state: usize,
     /// G, dimension of goal and achieved goal.
@@ -35,9 +21,27 @@ pub struct Spec {
     pub action: usize,
     /// H, steps per episode; episodes never end earlier.
     pub horizon: usize,
+    /// How it is trained unless a config says otherwise.
+    pub defaults: Defaults,
 }
 
-/// What the student sees after a reset or step, the goal apart.
+/// How an environment is trained unless a config says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Defaults {
+    /// Training steps of a run.
+    pub steps: u64,
+    /// Training steps between evaluations.
+    pub evaluate_every: u64,
+    /// Hidden layers of the student's networks (see the student's preset `harmonised`).
+    pub layers: usize,
+}
+
+impl Defaults {
+    /// Enough for a task that is learnt within seconds.
+    pub const TOY: Self = Self { steps: 4_000, evaluate_every: 400, layers: 2 };
+}
+
+/// What the student sees after a reset or step, apart from the goal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     /// State, shape `[S]`.
@@ -48,15 +52,17 @@ pub struct Observation {
 
 /// What a task rewards: all that hindsight relabelling needs to know of an environment.
 pub trait Reward {
-    /// The sparse reward, 0 or -1, of having achieved `achieved` when `goal` was asked for (shape `[G]` both).
-    /// Hindsight relabelling uses it too.
+    /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
     ///
     /// # Panics
-    /// If a length is not G, here and in [`Reward::success`]: only a mistake in the program can do that.
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64;
-
-    /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
+    /// If a length is not G, here and in [`Reward::reward`]: only a mistake in the program can do that.
     fn success(&self, achieved: &[f64], goal: &[f64]) -> bool;
+
+    /// The sparse reward of having achieved `achieved` when `goal` was asked for (shape `[G]` both): 0 for
+    /// success, else -1. Hindsight relabelling uses it too.
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        if self.success(achieved, goal) { 0.0 } else { -1.0 }
+    }
 }
 
 /// Where fresh goals come from: all that a teacher sees of an environment.
@@ -73,7 +79,9 @@ pub trait GoalSource {
 ///
 /// An episode is `reset`, optionally `set_goal` (a teacher's choice), then `horizon` times `step`.
 /// What a reset draws depends on the stream alone, never on earlier episodes or on who sets the goal:
-/// starts stay paired between curricula.
+/// starts stay paired between curricula. [`testing::contract`](crate::testing::contract) checks this.
+///
+/// A new environment is easier written as a [`World`](crate::World).
 pub trait GoalEnv: Reward + GoalSource + Send {
     /// The environment's constants.
     fn spec(&self) -> &Spec;
@@ -102,18 +110,27 @@ pub trait GoalEnv: Reward + GoalSource + Send {
     /// The goal of the running episode, shape `[G]`.
     fn goal(&self) -> &[f64];
 
-    /// What [`Renderer`](crate::render::Renderer) draws, where an environment can be drawn.
+    /// What [`Renderer`](crate::render::Renderer) draws, if the environment can be drawn.
     fn scene(&self) -> Option<Scene<'_>> {
         None
     }
 
-    /// The means to replay recorded traces, where an environment has them.
-    fn replay(&mut self) -> Option<&mut dyn Replay> {
+    /// The means to play recorded traces back, if the environment has a recorded original.
+    fn playback(&mut self) -> Option<&mut dyn Playback> {
         None
     }
 }
 
 /// Draws a pool of `n` goals from the environment's own joint distribution, one reset each: shape `[n, G]`.
+///
+/// ```
+/// use envs::rng::{Purpose, stream};
+///
+/// let mut env = envs::make("Point", &envs::EnvOptions::default())?;
+/// let pool = envs::draw_pool(env.as_mut(), 100, &mut stream(0, Purpose::Pool))?;
+/// assert_eq!((pool.len(), pool.width()), (100, 2));
+/// # Ok::<(), envs::EnvError>(())
+/// ```
 ///
 /// # Errors
 /// Those of [`GoalEnv::reset`].

@@ -63,12 +63,14 @@ pub enum EnvError {
         reason: String,
     },
     /// A model file is missing or damaged.
-    #[error("{path}: {reason}; `cargo setup` restores it")]
+    #[error("{}: {reason}; `cargo setup` restores it", path.display())]
     Asset {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+        /// What the system or MuJoCo says about it.
+        source: Option<Box<dyn std::error::Error + Send + Sync>>,
     },
     /// Another libmujoco than the one the environments were checked against.
     #[error("libmujoco {loaded} is loaded, {expected} is needed; `cargo setup` restores it")]
@@ -78,10 +80,4 @@ pub enum EnvError {
         /// Version needed.
         expected: &'static str,
     },
-}
-
-impl From<std::convert::Infallible> for EnvError {
-    fn from(never: std::convert::Infallible) -> Self {
-        match never {}
-    }
 }

@@ -1,32 +1,29 @@
-//! All environments, in one table.
+//! The rows of all environments, and the suites made of them.
+//!
+//! Every world keeps its own rows; the list of worlds stands in `worlds/mod.rs`.
 
-use crate::env::{Family, GoalEnv, Spec};
+use crate::env::{GoalEnv, Spec};
 use crate::error::EnvError;
-use crate::fetch::{self, Fetch};
-use crate::hand::manipulate::{self, Manipulate};
-use crate::hand::reach::HandReach;
-use crate::maze::Maze;
-use crate::maze::grid::{self, Layout};
 use crate::mujoco::Physics;
-use crate::point::Point;
-use crate::world::Env;
+use crate::worlds::WORLDS;
 
 /// What a user may choose about an environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// Simulate with MuJoCo's native CCD, as a plain install of the reference does. Off by default, because without
-    /// it MuJoCo 3.3.7 agrees with the versions of the paper's time. Mazes have no simulation: it changes nothing.
+pub struct EnvOptions {
+    /// Simulate with MuJoCo's native CCD, as a plain install of the reference does. Off by default, because
+    /// without it MuJoCo 3.3.7 agrees with the versions of the paper's time. It changes nothing where nothing
+    /// is simulated.
     pub native_ccd: bool,
 }
 
-impl Options {
-    fn physics(&self) -> Physics {
+impl EnvOptions {
+    pub(crate) fn physics(&self) -> Physics {
         if self.native_ccd { Physics::NativeCcd } else { Physics::Paper }
     }
 }
 
 /// An environment as the paper names it, where its Table 1 differs from what the environment has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PaperRow {
     /// Action dimension that Table 1 prints.
     pub action: usize,
@@ -34,136 +31,159 @@ pub struct PaperRow {
     pub note: &'static str,
 }
 
-/// Builds an environment with these constants.
-pub type Constructor = fn(Spec, &Options) -> Result<Box<dyn GoalEnv>, EnvError>;
+/// How it is known that an environment is the task that it claims to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verification {
+    /// Its world is a few formulas, which tests compare with numbers worked out by hand.
+    Analytic,
+    /// Traces recorded from the original are replayed. These are the largest absolute deviations that pass
+    /// after a simulated step, in the units of each quantity.
+    Recorded {
+        /// With the physics of the paper's time.
+        paper: f64,
+        /// With native CCD.
+        native_ccd: f64,
+    },
+}
 
-/// A row of the table.
+impl Verification {
+    /// Largest absolute deviation that passes where nothing is simulated over time, and in general after a
+    /// simulated step: computers round differently.
+    pub const ROUNDING: f64 = 1e-9;
+
+    /// Replayed traces agree but for rounding.
+    pub(crate) const EXACT: Self = Self::Recorded { paper: Self::ROUNDING, native_ccd: Self::ROUNDING };
+
+    /// Largest absolute deviation that passes after a simulated step with `physics`.
+    pub(crate) fn tolerance(self, physics: Option<Physics>) -> f64 {
+        match (self, physics) {
+            (Self::Analytic, _) => Self::ROUNDING,
+            (Self::Recorded { native_ccd, .. }, Some(Physics::NativeCcd)) => native_ccd,
+            (Self::Recorded { paper, .. }, _) => paper,
+        }
+    }
+}
+
+/// Builds an environment with these constants.
+pub type Constructor = fn(Spec, &EnvOptions) -> Result<Box<dyn GoalEnv>, EnvError>;
+
+/// A row of the list of environments: all that there is to know of one without building it.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    /// Id, family and dimensions.
+    /// Id, dimensions, and how it is trained by default.
     pub spec: Spec,
     /// What there is to do, in one line.
     pub title: &'static str,
+    /// Where the task comes from.
+    pub source: &'static str,
     /// The paper's Table 1, where it prints other dimensions.
     pub paper: Option<PaperRow>,
-    kind: Kind,
-}
-
-/// What an environment is built from.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    Point,
-    Maze(&'static Layout),
-    Fetch(&'static fetch::Task),
-    HandReach,
-    Manipulate(&'static manipulate::Task),
-    Other(Constructor),
-}
-
-/// A row without remarks about the paper.
-const fn row(
-    (id, family): (&'static str, Family),
-    [state, goal, action, horizon]: [usize; 4],
-    kind: Kind,
-    title: &'static str,
-) -> Environment {
-    Environment { spec: Spec { id, family, state, goal, action, horizon }, title, paper: None, kind }
-}
-
-const fn maze(id: &'static str, layout: &'static Layout, title: &'static str) -> Environment {
-    row((id, Family::Maze), [2, 2, 2, 50], Kind::Maze(layout), title)
-}
-
-const fn fetch(
-    id: &'static str,
-    state: usize,
-    task: &'static fetch::Task,
-    title: &'static str,
-) -> Environment {
-    let paper = PaperRow {
-        action: 3,
-        note: "the environment takes 4 numbers; the last moves the fingers, in FetchPickAndPlace only",
-    };
-    let row = row((id, Family::Fetch), [state, 3, 4, 50], Kind::Fetch(task), title);
-    Environment { paper: Some(paper), ..row }
-}
-
-const fn manipulate(id: &'static str, task: &'static manipulate::Task, title: &'static str) -> Environment {
-    row((id, Family::Hand), [61, 7, 20, 100], Kind::Manipulate(task), title)
-}
-
-/// Every environment, by family. The four numbers are S, G, A and H.
-#[rustfmt::skip]
-pub static ENVIRONMENTS: &[Environment] = &[
-    row(("Point", Family::Toy), [2, 2, 2, 20], Kind::Point, "Push a point to a place on an empty square (for tests)"),
-    maze("MazeA", &grid::A, "Walk a point through the gaps of a maze"),
-    maze("MazeB", &grid::B, "Walk a point around and into an open chamber"),
-    maze("MazeC", &grid::C, "Walk a point around a closed chamber; goals inside it are out of reach"),
-    fetch("FetchReach", 10, &fetch::REACH, "Move the gripper to a place in the air"),
-    fetch("FetchPush", 25, &fetch::PUSH, "Push a block to a place on the table"),
-    fetch("FetchSlide", 25, &fetch::SLIDE, "Hit a puck so that it slides to a place out of reach"),
-    fetch("FetchPickAndPlace", 25, &fetch::PICK_AND_PLACE, "Carry a block to a place on or above the table"),
-    row(("HandReach", Family::Hand), [63, 15, 20, 50], Kind::HandReach, "Bring thumb and one finger together"),
-    manipulate("HandManipulateBlock", &manipulate::BLOCK, "Turn and move a block in the hand"),
-    manipulate("HandManipulateBlockRotateZ", &manipulate::BLOCK_ROTATE_Z, "Turn a block about the vertical axis"),
-    manipulate("HandManipulateBlockRotateParallel", &manipulate::BLOCK_ROTATE_PARALLEL, "The same, with any face up"),
-    manipulate("HandManipulatePen", &manipulate::PEN, "Turn and move a pen in the hand"),
-    manipulate("HandManipulatePenRotate", &manipulate::PEN_ROTATE, "Turn a pen in the hand to any direction"),
-    manipulate("HandManipulateEgg", &manipulate::EGG, "Turn and move an egg in the hand"),
-    manipulate("HandManipulateEggRotate", &manipulate::EGG_ROTATE, "Turn an egg in the hand to any rotation"),
-];
-
-/// The row of the environment called `id`.
-///
-/// # Errors
-/// [`EnvError::Unknown`], with the ids there are.
-pub fn find(id: &str) -> Result<&'static Environment, EnvError> {
-    ENVIRONMENTS.iter().find(|row| row.spec.id == id).ok_or_else(|| EnvError::Unknown {
-        id: id.to_owned(),
-        known: ENVIRONMENTS.iter().map(|row| row.spec.id).collect(),
-    })
+    /// The walls of a maze on the square [-1, 1]², for maps of it, a row of cells per string: `#` wall, `.`
+    /// free, `S` the free start cell. The row of a cell goes with the first coordinate, its column with the
+    /// second.
+    pub walls: Option<&'static [&'static str]>,
+    /// How it is verified.
+    pub verification: Verification,
+    /// What builds it.
+    pub constructor: Constructor,
 }
 
 impl Environment {
-    /// A row for an environment from outside this crate.
-    pub const fn new(spec: Spec, title: &'static str, constructor: Constructor) -> Self {
-        Self { spec, title, paper: None, kind: Kind::Other(constructor) }
+    /// A row with nothing special about it: the paper has no other row, there are no walls, the world is
+    /// analytic.
+    ///
+    /// See [`World`](crate::World) for how to write the world, and `harness/examples/own_environment.rs` for
+    /// a program with an environment of its own.
+    ///
+    /// ```
+    /// use envs::{Defaults, EnvOptions, Environment, Spec};
+    ///
+    /// let spec = Spec {
+    ///     id: "Again", family: "toy", state: 2, goal: 2, action: 2, horizon: 20, defaults: Defaults::TOY,
+    /// };
+    /// let row = Environment::new(spec, "The toy task again", "An example", |spec, options| {
+    ///     (envs::find("Point")?.constructor)(spec, options)
+    /// });
+    /// assert_eq!(row.make(&EnvOptions::default())?.spec().id, "Again");
+    /// # Ok::<(), envs::EnvError>(())
+    /// ```
+    pub const fn new(
+        spec: Spec,
+        title: &'static str,
+        source: &'static str,
+        constructor: Constructor,
+    ) -> Self {
+        let verification = Verification::Analytic;
+        Self { spec, title, source, paper: None, walls: None, verification, constructor }
+    }
+
+    /// Id of the environment.
+    pub const fn id(&self) -> &'static str {
+        self.spec.id
     }
 
     /// Builds the environment.
     ///
     /// # Errors
     /// For simulated ones [`EnvError::Asset`] or [`EnvError::MujocoVersion`].
-    pub fn make(&self, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
-        let (spec, physics) = (self.spec.clone(), options.physics());
-        let id = spec.id;
-        Ok(match self.kind {
-            Kind::Point => Box::new(Env::new(spec, Point::default())),
-            Kind::Maze(layout) => Box::new(Env::new(spec, Maze::new(layout))),
-            Kind::Fetch(task) => Box::new(Env::new(spec, Fetch::new(id, task, physics)?)),
-            Kind::HandReach => Box::new(Env::new(spec, HandReach::new(id, physics)?)),
-            Kind::Manipulate(task) => Box::new(Env::new(spec, Manipulate::new(id, task, physics)?)),
-            Kind::Other(constructor) => constructor(spec, options)?,
-        })
+    pub fn make(&self, options: &EnvOptions) -> Result<Box<dyn GoalEnv>, EnvError> {
+        (self.constructor)(self.spec.clone(), options)
     }
+}
+
+/// Every environment of this crate, world by world.
+///
+/// ```
+/// let ids: Vec<&str> = envs::environments().map(|row| row.id()).collect();
+/// assert!(ids.contains(&"MazeA") && ids.contains(&"FetchPush"));
+/// ```
+pub fn environments() -> impl Iterator<Item = &'static Environment> + Clone {
+    WORLDS.iter().copied().flatten()
+}
+
+/// The row of the environment called `id`.
+///
+/// # Errors
+/// [`EnvError::Unknown`], with the ids there are.
+pub fn find(id: &str) -> Result<&'static Environment, EnvError> {
+    environments().find(|row| row.id() == id).ok_or_else(|| EnvError::Unknown {
+        id: id.to_owned(),
+        known: environments().map(Environment::id).collect(),
+    })
 }
 
 /// Builds the environment called `id`.
 ///
+/// ```
+/// let env = envs::make("Point", &envs::EnvOptions::default())?;
+/// assert_eq!((env.spec().action, env.spec().horizon), (2, 20));
+/// assert!(envs::make("Pint", &envs::EnvOptions::default()).is_err());
+/// # Ok::<(), envs::EnvError>(())
+/// ```
+///
 /// # Errors
 /// Those of [`find`] and [`Environment::make`].
-pub fn make(id: &str, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
+pub fn make(id: &str, options: &EnvOptions) -> Result<Box<dyn GoalEnv>, EnvError> {
     find(id)?.make(options)
 }
 
-/// Named sets of environments.
+/// A named list of environments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Suite {
+    /// Its name.
+    pub id: &'static str,
+    /// Ids of its environments, in order.
+    pub environments: &'static [&'static str],
+}
+
+/// The suites of this crate.
 ///
-/// The paper names HandManipulateBlock, -Pen and -Egg, but its appendix B describes "rotate about z" and "rotate in
-/// all axes" without a position goal. `paper` follows the appendix, `paper-ids` the names.
-pub static SUITES: &[(&str, &[&str])] = &[
-    (
-        "paper",
-        &[
+/// The paper names HandManipulateBlock, -Pen and -Egg, but its appendix B describes "rotate about z" and
+/// "rotate in all axes" without a position goal. `paper` follows the appendix, `paper-ids` the names.
+pub static SUITES: &[Suite] = &[
+    Suite {
+        id: "paper",
+        environments: &[
             "FetchReach",
             "FetchPush",
             "FetchSlide",
@@ -176,10 +196,10 @@ pub static SUITES: &[(&str, &[&str])] = &[
             "MazeB",
             "MazeC",
         ],
-    ),
-    (
-        "paper-ids",
-        &[
+    },
+    Suite {
+        id: "paper-ids",
+        environments: &[
             "FetchReach",
             "FetchPush",
             "FetchSlide",
@@ -192,18 +212,20 @@ pub static SUITES: &[(&str, &[&str])] = &[
             "MazeB",
             "MazeC",
         ],
-    ),
+    },
 ];
 
 /// The environments of the suite called `name`.
 ///
+/// ```
+/// assert_eq!(envs::suite("paper")?.len(), 11);
+/// # Ok::<(), envs::EnvError>(())
+/// ```
+///
 /// # Errors
 /// [`EnvError::UnknownSuite`], with the names there are.
 pub fn suite(name: &str) -> Result<&'static [&'static str], EnvError> {
-    SUITES.iter().find(|(known, _)| *known == name).map(|(_, ids)| *ids).ok_or_else(|| {
-        EnvError::UnknownSuite {
-            name: name.to_owned(),
-            known: SUITES.iter().map(|(known, _)| *known).collect(),
-        }
+    SUITES.iter().find(|suite| suite.id == name).map(|suite| suite.environments).ok_or_else(|| {
+        EnvError::UnknownSuite { name: name.to_owned(), known: SUITES.iter().map(|suite| suite.id).collect() }
     })
 }

@@ -29,7 +29,8 @@ pub enum Purpose {
     Pool,
     /// The evaluation with this index: its start states and goals.
     Evaluation(u64),
-    /// Start states and goals on which trained policies are told apart, after all training; its seed belongs to no run.
+    /// Start states and goals on which trained policies are told apart, after all training; its seed belongs
+    /// to no run.
     FinalEvaluation,
 }
 
@@ -50,6 +51,14 @@ impl Purpose {
 }
 
 /// The stream of a run's `seed` for one `purpose`: ChaCha8 keyed with SHA-256 of both.
+///
+/// ```
+/// use envs::rng::{Purpose, stream, uniform};
+///
+/// let first = |seed, purpose| uniform(&mut stream(seed, purpose), 0.0, 1.0);
+/// assert_eq!(first(7, Purpose::Pool), first(7, Purpose::Pool));
+/// assert_ne!(first(7, Purpose::Pool), first(7, Purpose::Teacher));
+/// ```
 pub fn stream(seed: u64, purpose: Purpose) -> Rng {
     let (name, index) = purpose.label();
     let key = Sha256::new()
@@ -71,8 +80,8 @@ pub fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
 mod tests {
     use super::{Purpose, stream};
 
-    /// Records made before stand beside records made now only while every stream stays what it was. The keys' first bytes, from
-    /// their definition by another SHA-256 (Python's hashlib), for seed 3.
+    /// Records made before stand beside records made now only while every stream stays what it was. The keys'
+    /// first bytes, from their definition by another SHA-256 (Python's hashlib), for seed 3.
     #[test]
     fn streams_stay_what_they_are_and_differ() {
         let keys = [

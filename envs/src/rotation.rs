@@ -1,7 +1,8 @@
-//! Rotations in the reference's conventions: quaternions [w, x, y, z], Euler angles about the rotating axes x, y, z.
+//! Rotations in the reference's conventions: quaternions [w, x, y, z], Euler angles about the rotating axes
+//! x, y, z.
 //!
-//! The formulas are those of the reference's `rotations.py`, in the same order of operations, so that replayed resets
-//! agree to the last bit.
+//! The formulas are those of the reference's `rotations.py`, in the same order of operations, so that
+//! replayed resets agree to the last bit.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -45,8 +46,8 @@ pub(crate) fn conjugate([w, x, y, z]: Quat) -> Quat {
     [w, -x, -y, -z]
 }
 
-/// Angle 2·acos(w) of a·conj(b), radians in [0, 2π]. The reference takes no absolute value: q and −q, the same
-/// rotation, lie 2π apart.
+/// Angle 2·acos(w) of a·conj(b), radians in [0, 2π]. The reference takes no absolute value: q and −q, the
+/// same rotation, lie 2π apart.
 pub(crate) fn angle_between(a: Quat, b: Quat) -> f64 {
     2.0 * product(a, conjugate(b))[0].clamp(-1.0, 1.0).acos()
 }
@@ -92,8 +93,8 @@ fn quat_to_matrix(q: Quat) -> Matrix {
     [1.0 - (yy + zz), xy - wz, xz + wy, xy + wz, 1.0 - (xx + zz), yz - wx, xz - wy, yz + wx, 1.0 - (xx + yy)]
 }
 
-/// The 24 rotations that map a cube onto itself, in the reference's order: all triples of quarter turns 0, 90°, −90°,
-/// 180° (the last axis fastest), each brought to canonical Euler angles, repetitions left out.
+/// The 24 rotations that map a cube onto itself, in the reference's order: all triples of quarter turns 0,
+/// 90°, −90°, 180° (the last axis fastest), each brought to canonical Euler angles, repetitions left out.
 pub(crate) fn parallel_rotations() -> Vec<Quat> {
     const TURNS: [f64; 4] = [0.0, FRAC_PI_2, -FRAC_PI_2, 2.0 * FRAC_PI_2];
     let pairs = TURNS.iter().flat_map(|&x| TURNS.iter().map(move |&y| (x, y)));
@@ -108,8 +109,8 @@ pub(crate) fn parallel_rotations() -> Vec<Quat> {
     distinct.into_iter().map(euler_to_quat).collect()
 }
 
-/// The Euler angles that `matrix_to_euler` gives for a triple of quarter turns, rounded to quarter turns, with +180°
-/// for −180° in the outer angles.
+/// The Euler angles that `matrix_to_euler` gives for a triple of quarter turns, rounded to quarter turns,
+/// with +180° for −180° in the outer angles.
 fn canonical_quarter_turns(triple: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = matrix_to_euler(&euler_to_matrix(triple)).map(|angle| (angle / FRAC_PI_2).round());
     let positive = |quarters: f64| if quarters == -2.0 { 2.0 } else { quarters };
@@ -139,7 +140,8 @@ mod tests {
 
     #[test]
     fn product_of_two_quarter_turns_is_a_third_of_a_turn() {
-        // About z after about x: x → y → ... the axis is (1, 1, 1)/√3, the angle 120°, so w = 1/2 and each part 1/2.
+        // About z after about x: x → y → ... the axis is (1, 1, 1)/√3, the angle 120°, so w = 1/2 and each
+        // part 1/2.
         assert_close(product(QUARTER_Z, QUARTER_X), [0.5, 0.5, 0.5, 0.5]);
         assert_close(product(QUARTER_Z, conjugate(QUARTER_Z)), [1.0, 0.0, 0.0, 0.0]);
     }

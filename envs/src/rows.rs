@@ -3,6 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 /// `len` rows of `width` numbers each, stored one after the other.
+///
+/// ```
+/// let mut goals = envs::Goals::new(2);
+/// goals.push(&[0.0, 1.0]);
+/// goals.push(&[2.0, 3.0]);
+/// assert_eq!((goals.len(), goals.row(1)), (2, &[2.0, 3.0][..]));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rows {
     width: usize,

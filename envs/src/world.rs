@@ -5,47 +5,93 @@ use serde_json::{Map, Value};
 use crate::draws::{Draws, RecordedDraws};
 use crate::env::{GoalEnv, GoalSource, Observation, Reward, Spec};
 use crate::error::EnvError;
-use crate::render::{Scene, Shape};
-use crate::replay::{Replay, ReplayError, Start};
+use crate::playback::{Playback, PlaybackError, RecordedWorld, Start};
+use crate::render::Scene;
 use crate::rng::Rng;
 
-/// The world of an environment: its state, its dynamics, its goals.
-pub(crate) trait World: Send {
+/// The world of an environment: its state, its dynamics, its goals. [`Env`] adds what is the same for all:
+/// checks of what comes in, clipped actions, room for observation and goal.
+///
+/// ```
+/// use envs::rng::{Purpose, stream};
+/// use envs::{
+///     Defaults, Draws, Env, EnvError, GoalEnv, Observation, Reward, Spec, WithinDistance, World,
+/// };
+///
+/// /// A bead on a wire from -1 to 1.
+/// #[derive(Default)]
+/// struct Bead(f64);
+///
+/// impl World for Bead {
+///     fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError> {
+///         [self.0] = draws.uniform([-0.1], [0.1]);
+///         Ok(())
+///     }
+///
+///     fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
+///         goal.copy_from_slice(&draws.uniform([-1.0], [1.0]));
+///     }
+///
+///     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError> {
+///         self.0 = (self.0 + 0.1 * action[0]).clamp(-1.0, 1.0);
+///         Ok(())
+///     }
+///
+///     fn observe(&self, observation: &mut Observation) {
+///         (observation.state[0], observation.achieved[0]) = (self.0, self.0);
+///     }
+///
+///     fn task(&self) -> &dyn Reward {
+///         &WithinDistance(0.05)
+///     }
+/// }
+///
+/// let spec = Spec {
+///     id: "Bead", family: "toy", state: 1, goal: 1, action: 1, horizon: 20, defaults: Defaults::TOY,
+/// };
+/// let mut env = Env::new(spec, Bead::default());
+/// env.reset(&mut stream(0, Purpose::Environment))?;
+/// env.step(&[7.0])?; // the same as 1.0
+/// # Ok::<(), EnvError>(())
+/// ```
+pub trait World: Send {
     /// Draws a start and goes there. Nothing of what happened before may have an influence.
-    fn start<D: Draws, E>(&mut self, draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>;
+    ///
+    /// # Errors
+    /// [`EnvError::Unstable`] if the world breaks down on the way.
+    fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError>;
 
-    /// Draws a goal for the current start into `goal`, shape `[G]`.
-    fn draw_goal<D: Draws>(&self, draws: &mut D, goal: &mut [f64]) -> Result<(), D::Error>;
+    /// Draws a goal for the current start into `goal`, shape `[G]`. It depends on the start of the episode,
+    /// not on how far the episode has come.
+    fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]);
 
-    /// One step with `action`, shape `[A]`, in [−1, 1].
+    /// One step with `action`, shape `[A]`, every component in [-1, 1].
+    ///
+    /// # Errors
+    /// [`EnvError::Unstable`] if the world breaks down.
     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError>;
 
-    /// Writes what there is to see now.
+    /// Writes what there is to see now over all of `observation`, whose lists have the spec's lengths.
     fn observe(&self, observation: &mut Observation);
 
-    /// The sparse reward (see [`GoalEnv::reward`]).
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64;
+    /// What counts as success, and its reward.
+    fn task(&self) -> &dyn Reward;
 
-    /// Success (see [`GoalEnv::success`]).
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool;
+    /// How the world looks now, with `goal` (shape `[G]`) marked in it; nothing for a world that cannot be
+    /// drawn.
+    fn scene(&self, _goal: &[f64]) -> Option<Scene<'_>> {
+        None
+    }
 
-    /// How the world looks now, with `goal` (shape `[G]`) marked in it.
-    fn shape(&self, goal: &[f64]) -> Shape<'_>;
-
-    /// Constants under the names that recordings use (see [`Replay::constants`]).
-    fn constants(&self) -> Map<String, Value>;
-
-    /// The state now.
-    fn capture(&self) -> Start;
-
-    /// Goes to a captured or recorded state, which becomes the current start.
-    fn restore(&mut self, state: &Start) -> Result<(), ReplayError>;
+    /// The means to play recorded traces back, for a world with a recorded original.
+    fn recorded(&mut self) -> Option<&mut dyn RecordedWorld> {
+        None
+    }
 }
 
-/// An environment: a world, with checks on what comes in and room for what is to see.
-pub(crate) struct Env<W> {
+/// The environment made of a [`World`]. It checks what comes in, clips actions, and keeps observation and
+/// goal.
+pub struct Env<W> {
     spec: Spec,
     world: W,
     observation: Observation,
@@ -56,36 +102,34 @@ pub(crate) struct Env<W> {
 
 impl<W: World> Env<W> {
     /// Shows the world as it is, with what is achieved as the goal.
-    pub(crate) fn new(spec: Spec, world: W) -> Self {
+    pub fn new(spec: Spec, world: W) -> Self {
         let mut observation = Observation { state: vec![0.0; spec.state], achieved: vec![0.0; spec.goal] };
         world.observe(&mut observation);
         let (goal, action) = (observation.achieved.clone(), vec![0.0; spec.action]);
         Self { spec, world, observation, goal, action }
     }
 
-    fn reset_with<D: Draws, E>(&mut self, draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>,
-    {
-        self.world.start::<D, E>(draws)?;
+    fn reset_with(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError> {
+        self.world.start(draws)?;
         self.world.observe(&mut self.observation);
-        Ok(self.world.draw_goal(draws, &mut self.goal)?)
+        self.world.draw_goal(draws, &mut self.goal);
+        Ok(())
     }
 }
 
 impl<W: World> Reward for Env<W> {
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        self.world.reward(achieved, goal)
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        self.world.task().success(achieved, goal)
     }
 
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        self.world.success(achieved, goal)
+    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
+        self.world.task().reward(achieved, goal)
     }
 }
 
 impl<W: World> GoalSource for Env<W> {
     fn sample_goal(&mut self, rng: &mut Rng, goal: &mut [f64]) {
-        let Ok(()) = self.world.draw_goal(rng, goal);
+        self.world.draw_goal(&mut Draws::from(rng), goal);
     }
 }
 
@@ -95,7 +139,7 @@ impl<W: World> GoalEnv for Env<W> {
     }
 
     fn reset(&mut self, rng: &mut Rng) -> Result<(), EnvError> {
-        self.reset_with(rng)
+        self.reset_with(&mut Draws::from(rng))
     }
 
     fn set_goal(&mut self, goal: &[f64]) -> Result<(), EnvError> {
@@ -131,33 +175,43 @@ impl<W: World> GoalEnv for Env<W> {
     }
 
     fn scene(&self) -> Option<Scene<'_>> {
-        Some(Scene(self.world.shape(&self.goal)))
+        self.world.scene(&self.goal)
     }
 
-    fn replay(&mut self) -> Option<&mut dyn Replay> {
-        Some(self)
+    fn playback(&mut self) -> Option<&mut dyn Playback> {
+        if self.world.recorded().is_some() { Some(self) } else { None }
     }
 }
 
-impl<W: World> Replay for Env<W> {
-    fn constants(&self) -> Map<String, Value> {
-        let mut constants = self.world.constants();
+impl<W: World> Env<W> {
+    /// The world's side of playing traces back.
+    fn recorded(&mut self) -> &mut dyn RecordedWorld {
+        self.world.recorded().expect("traces are played back on worlds with a recorded original alone")
+    }
+}
+
+impl<W: World> Playback for Env<W> {
+    fn constants(&mut self) -> Map<String, Value> {
+        let mut constants = self.recorded().constants();
         constants.insert("T".to_owned(), self.spec.horizon.into());
         constants
     }
 
-    fn begin(&mut self, start: &Start) -> Result<(), ReplayError> {
-        self.world.restore(start)?;
+    fn begin(&mut self, start: &Start) -> Result<(), PlaybackError> {
+        self.recorded().restore(start)?;
         self.world.observe(&mut self.observation);
         Ok(())
     }
 
-    fn reset_recorded(&mut self, draws: &mut RecordedDraws<'_>) -> Result<(), ReplayError> {
-        self.reset_with(draws)
+    fn reset_recorded(&mut self, draws: &mut RecordedDraws) -> Result<(), PlaybackError> {
+        let outcome = self.reset_with(&mut Draws::from(&mut *draws));
+        // What a reset makes of draws that are not its own means nothing.
+        draws.finish()?;
+        Ok(outcome?)
     }
 
-    fn capture(&self) -> Start {
-        self.world.capture()
+    fn capture(&mut self) -> Start {
+        self.recorded().capture()
     }
 }
 

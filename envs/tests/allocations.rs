@@ -4,12 +4,12 @@
 mod allocations;
 
 use envs::rng::{Purpose, stream};
-use envs::{ENVIRONMENTS, Options};
+use envs::{EnvOptions, environments};
 
 #[test]
 fn stepping_rewarding_and_sampling_goals_do_not_allocate() {
-    for row in ENVIRONMENTS {
-        let mut env = row.make(&Options::default()).unwrap();
+    for row in environments() {
+        let mut env = row.make(&EnvOptions::default()).unwrap();
         let mut rng = stream(0, Purpose::Environment);
         env.reset(&mut rng).unwrap();
         let action = vec![0.5; row.spec.action];

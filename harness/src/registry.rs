@@ -1,23 +1,30 @@
 //! All environments and curricula that a command line knows.
 
 use curricula::Entry as CurriculumEntry;
-use envs::Environment;
+use envs::{Environment, Suite};
 use reports::schema::RunKey;
 
 use crate::error::HarnessError;
 
-/// Tables of environments and curricula. The built-in ones can be extended from a program of one's own, which then
-/// has the whole command line: `goalbench::cli::main(Registry::builtin().with_curriculum(Entry::of::<Mine>()))`.
+/// Lists of environments, suites and curricula. The built-in ones can be extended from a program of one's
+/// own, which then has the whole command line:
+/// `goalbench::cli::main(Registry::builtin().with_environment(MINE))`. See `harness/examples/` for two such
+/// programs.
 #[derive(Clone)]
 pub struct Registry {
     environments: Vec<Environment>,
+    suites: Vec<Suite>,
     curricula: Vec<CurriculumEntry>,
 }
 
 impl Registry {
     /// Everything that this workspace brings.
     pub fn builtin() -> Self {
-        Self { environments: envs::ENVIRONMENTS.to_vec(), curricula: curricula::CURRICULA.to_vec() }
+        Self {
+            environments: envs::environments().cloned().collect(),
+            suites: envs::SUITES.to_vec(),
+            curricula: curricula::CURRICULA.to_vec(),
+        }
     }
 
     /// Adds a curriculum.
@@ -34,21 +41,42 @@ impl Registry {
     /// Adds an environment.
     ///
     /// # Panics
-    /// If its id is taken.
+    /// If an environment or a suite is called so already.
     #[must_use]
     pub fn with_environment(mut self, entry: Environment) -> Self {
-        assert!(
-            self.environment(entry.spec.id).is_none(),
-            "there already is an environment `{}`",
-            entry.spec.id
-        );
+        self.require_free(entry.id());
         self.environments.push(entry);
         self
+    }
+
+    /// Adds a suite: a name that stands for `environments` wherever ids of environments are given.
+    ///
+    /// # Panics
+    /// If an environment or a suite is called `id` already, or if there is no such environment: those of
+    /// one's own come first.
+    #[must_use]
+    pub fn with_suite(mut self, id: &'static str, environments: &'static [&'static str]) -> Self {
+        self.require_free(id);
+        for name in environments {
+            assert!(self.environment(name).is_some(), "suite `{id}`: there is no environment `{name}`");
+        }
+        self.suites.push(Suite { id, environments });
+        self
+    }
+
+    fn require_free(&self, id: &str) {
+        let taken = self.environment(id).is_some() || self.suite(id).is_some();
+        assert!(!taken, "there already is an environment or suite `{id}`");
     }
 
     /// All environments, in the order of the table.
     pub fn environments(&self) -> &[Environment] {
         &self.environments
+    }
+
+    /// All suites, in the order of the table.
+    pub fn suites(&self) -> &[Suite] {
+        &self.suites
     }
 
     /// All curricula, in the order of the table.
@@ -58,7 +86,12 @@ impl Registry {
 
     /// The environment with this id.
     pub fn environment(&self, id: &str) -> Option<&Environment> {
-        self.environments.iter().find(|entry| entry.spec.id == id)
+        self.environments.iter().find(|entry| entry.id() == id)
+    }
+
+    /// The suite with this name.
+    pub fn suite(&self, id: &str) -> Option<&Suite> {
+        self.suites.iter().find(|suite| suite.id == id)
     }
 
     /// The curriculum with this id.
@@ -73,18 +106,18 @@ impl Registry {
     pub fn expand_environments(&self, names: &[String], place: &str) -> Result<Vec<String>, HarnessError> {
         let mut ids: Vec<String> = Vec::new();
         for name in names {
-            let found = match envs::suite(name) {
-                Ok(ids) => ids.iter().map(|id| (*id).to_owned()).collect(),
-                Err(_) if self.environment(name).is_some() => vec![name.clone()],
-                Err(_) => {
-                    let suites = envs::registry::SUITES.iter().map(|(suite, _)| *suite);
-                    let accepted = self.environments.iter().map(|entry| entry.spec.id).chain(suites);
+            let found = match (self.suite(name), self.environment(name)) {
+                (Some(suite), _) => suite.environments,
+                (None, Some(entry)) => &[entry.id()],
+                (None, None) => {
+                    let suites = self.suites.iter().map(|suite| suite.id);
+                    let accepted = self.environments.iter().map(Environment::id).chain(suites);
                     return Err(HarnessError::unknown(place, "environment", name, accepted));
                 }
             };
             for id in found {
-                if !ids.contains(&id) {
-                    ids.push(id);
+                if !ids.iter().any(|other| other == id) {
+                    ids.push((*id).to_owned());
                 }
             }
         }
@@ -117,7 +150,7 @@ impl Registry {
         let place = format!("{run}: ");
         self.expand_curricula(std::slice::from_ref(&run.curriculum), &place)?;
         if self.environment(&run.environment).is_none() {
-            let accepted = self.environments.iter().map(|entry| entry.spec.id);
+            let accepted = self.environments.iter().map(Environment::id);
             return Err(HarnessError::unknown(place, "environment", &run.environment, accepted));
         }
         Ok(())

@@ -50,7 +50,7 @@ fn one_by_one(folder: &Path, episodes: u64, seed: u64) -> (u64, f64) {
     agents::prepare_thread();
     let (manifest, config) = folder::read_manifest(folder).expect("a manifest");
     let saved = checkpoint::read(folder, &manifest.hash).expect("a sound checkpoint").expect("a checkpoint");
-    let mut env = envs::make("Point", &envs::Options::default()).expect("a built-in environment");
+    let mut env = envs::make("Point", &envs::EnvOptions::default()).expect("a built-in environment");
     // Weights of another seed: none of them may be left.
     let mut agent = agents::make(&config.student, env.spec(), 77).expect("a student");
     agent.load_policy(saved.trainer.student()).expect("its state");

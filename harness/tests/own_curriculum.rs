@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use envs::rng::{Purpose, stream};
-use envs::{Goals, Options, draw_pool};
+use envs::{EnvOptions, Goals, draw_pool};
 use reports::schema::{Record, Teaching};
 use rustix::process::{Pid, Signal, kill_process};
 use serde::de::DeserializeOwned;
@@ -65,13 +65,13 @@ fn lines<T: DeserializeOwned>(out: &Path, file: &str) -> Vec<T> {
 
 /// The toy run's pool, drawn once more.
 fn pool() -> Goals {
-    let mut env = envs::make("Point", &Options::default()).expect("an environment");
+    let mut env = envs::make("Point", &EnvOptions::default()).expect("an environment");
     draw_pool(&mut *env, POOL, &mut stream(0, Purpose::Pool)).expect("a pool")
 }
 
 /// Where the first `episodes` episodes of the toy run start, drawn once more.
 fn starts(episodes: usize) -> Vec<Vec<f64>> {
-    let mut env = envs::make("Point", &Options::default()).expect("an environment");
+    let mut env = envs::make("Point", &EnvOptions::default()).expect("an environment");
     let mut rng = stream(0, Purpose::Environment);
     let mut start = || {
         env.reset(&mut rng).expect("a start");

@@ -6,7 +6,7 @@
 use std::cell::RefCell;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, Environment, Family, GoalEnv, GoalSource, Observation, Options, Reward, Spec};
+use envs::{Defaults, EnvError, EnvOptions, Environment, GoalEnv, GoalSource, Observation, Reward, Spec};
 use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
 use goalbench::run::observer::Observer;
@@ -41,7 +41,7 @@ struct Noted {
 }
 
 /// An [`envs::registry::Constructor`].
-fn make(spec: Spec, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
+fn make(spec: Spec, options: &EnvOptions) -> Result<Box<dyn GoalEnv>, EnvError> {
     Ok(Box::new(Noted { point: envs::make("Point", options)?, spec, episode: 0 }))
 }
 
@@ -116,9 +116,17 @@ fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
 /// The same of a run that `observer` hears of.
 fn observed(curriculum: &str, seed: u64, more: &[&str], observer: &mut dyn Observer) -> Vec<Episode> {
     agents::prepare_thread();
-    let spec = Spec { id: "Noted", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
+    let spec = Spec {
+        id: "Noted",
+        family: "toy",
+        state: 2,
+        goal: 2,
+        action: 2,
+        horizon: 20,
+        defaults: Defaults::TOY,
+    };
     let registry =
-        Registry::builtin().with_environment(Environment::new(spec.clone(), "A noted point", make));
+        Registry::builtin().with_environment(Environment::new(spec.clone(), "A noted point", "A test", make));
     let method = *registry.curriculum(curriculum).expect("a curriculum of the table");
     let settings = [
         "student.batch=16",

@@ -1,7 +1,7 @@
 //! The hand-written update against the same losses under automatic differentiation, in double precision.
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{Family, Spec};
+use envs::{Defaults, Spec};
 use rand::Rng as _;
 use tch::{Device, Kind, Tensor};
 
@@ -16,7 +16,15 @@ use crate::losses::Discount;
 use crate::networks::{Output, Shape, Stack, Trained};
 use crate::normalizer::{Normalizer, NormalizerConfig};
 
-const SPEC: Spec = Spec { id: "Reference", family: Family::Toy, state: 7, goal: 3, action: 4, horizon: 5 };
+const SPEC: Spec = Spec {
+    id: "Reference",
+    family: "toy",
+    state: 7,
+    goal: 3,
+    action: 4,
+    horizon: 5,
+    defaults: Defaults::TOY,
+};
 /// So low that random values are clipped from both sides.
 const DISCOUNT: Discount = Discount { gamma: 0.5 };
 const ACTION_L2: f64 = 0.7;

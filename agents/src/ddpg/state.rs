@@ -86,7 +86,7 @@ mod tests {
     impl Scene {
         fn new(more: &str) -> Self {
             crate::prepare_thread();
-            let env = envs::make("Point", &envs::Options::default()).unwrap();
+            let env = envs::make("Point", &envs::EnvOptions::default()).unwrap();
             let text =
                 format!("width = 16\nbatch = 32\nupdates_per_cycle = 3\nreplay_capacity = 100\n{more}");
             let config: StudentConfig = toml::from_str(&text).unwrap();

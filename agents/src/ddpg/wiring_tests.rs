@@ -1,7 +1,7 @@
 //! What the student's parts are told to do, and when: each part has tests of its own.
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{Family, GoalEnv, Observation, Rows, Spec};
+use envs::{Defaults, GoalEnv, Observation, Rows, Spec};
 
 use super::{Ddpg, state};
 use crate::agent::{Agent, Critic, Episode, Mode, Network, Parameters};
@@ -18,7 +18,7 @@ use crate::replay::{HerStrategy, Hindsight, Source};
 /// A student of the toy task (S = G = A = 2, H = 20), the task, and a stream for replay.
 fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {
     crate::prepare_thread();
-    let env = envs::make("Point", &envs::Options::default()).unwrap();
+    let env = envs::make("Point", &envs::EnvOptions::default()).unwrap();
     (Ddpg::new(config, env.spec(), 3).unwrap(), env, stream(3, Purpose::Replay))
 }
 
@@ -305,8 +305,9 @@ fn what_is_not_finite_ends_the_cycle_as_divergence() {
 #[test]
 fn networks_have_the_shape_of_preset_and_task() {
     crate::prepare_thread();
-    let parameters = |preset, family| {
-        let spec = Spec { id: "Shapes", family, state: 25, goal: 3, action: 4, horizon: 50 };
+    let parameters = |preset, layers| {
+        let defaults = Defaults { layers, ..Defaults::TOY };
+        let spec = Spec { id: "Shapes", family: "toy", state: 25, goal: 3, action: 4, horizon: 50, defaults };
         let student = Ddpg::new(&StudentConfig::preset(preset), &spec, 0).unwrap();
         let learner = &student.learner;
         assert_eq!(student.fresh.len(), 50);
@@ -317,9 +318,9 @@ fn networks_have_the_shape_of_preset_and_task() {
     let actor = (28 * 256 + 256) + middle + (256 * 4 + 16);
     let critic = (32 * 256 + 256) + middle + (256 + 16);
     let deeper = [actor + middle, critic + middle];
-    assert_eq!(parameters(Preset::Harmonised, Family::Fetch), [actor, critic]);
-    assert_eq!(parameters(Preset::Harmonised, Family::Hand), deeper);
-    assert_eq!(parameters(Preset::Official, Family::Fetch), deeper);
+    assert_eq!(parameters(Preset::Harmonised, 2), [actor, critic]);
+    assert_eq!(parameters(Preset::Harmonised, 3), deeper);
+    assert_eq!(parameters(Preset::Official, 2), deeper);
 }
 
 /// The operations that a GPU would do, on the CPU: other kernels, inputs that are sent, a batch in one part.

@@ -1,5 +1,5 @@
 use envs::rng::{Purpose, Rng, stream};
-use envs::{Family, Rows, Spec};
+use envs::{Defaults, Rows, Spec};
 use rand::Rng as _;
 
 use super::{Ensemble, EnsembleConfig};
@@ -11,7 +11,8 @@ use crate::device::far_away;
 use crate::error::AgentError;
 use crate::normalizer::{Normalizer, NormalizerConfig};
 
-const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, action: 1, horizon: 4 };
+const SPEC: Spec =
+    Spec { id: "Tiny", family: "toy", state: 2, goal: 1, action: 1, horizon: 4, defaults: Defaults::TOY };
 const BATCH: usize = 32;
 
 fn ensemble(members: usize, gamma: f64, rng: &mut Rng) -> Ensemble {

@@ -186,12 +186,13 @@ fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> AgentError {
 
 #[cfg(test)]
 mod tests {
-    use envs::{Family, Rows, Spec};
+    use envs::{Defaults, Rows, Spec};
 
     use super::*;
     use crate::agent::Episode;
 
-    const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 1, goal: 1, action: 1, horizon: 2 };
+    const SPEC: Spec =
+        Spec { id: "Tiny", family: "toy", state: 1, goal: 1, action: 1, horizon: 2, defaults: Defaults::TOY };
 
     /// A buffer of `capacity` episodes.
     fn buffer(capacity: usize) -> Replay {

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, Family, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
+use envs::{Defaults, EnvError, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
 
 use super::{HerStrategy, Hindsight, Replay, Source};
 use crate::agent::Episode;
@@ -9,7 +9,8 @@ use crate::batch::Batch;
 use crate::error::AgentError;
 
 const H: usize = 4;
-const SPEC: Spec = Spec { id: "Tiny", family: Family::Toy, state: 2, goal: 1, action: 1, horizon: H };
+const SPEC: Spec =
+    Spec { id: "Tiny", family: "toy", state: 2, goal: 1, action: 1, horizon: H, defaults: Defaults::TOY };
 
 /// A task that is only asked for rewards: 0 if achieved and goal are equal, else −1.
 struct Equal;

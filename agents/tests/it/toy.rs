@@ -2,7 +2,7 @@
 
 use agents::{Agent, AgentError, Auto, Episode, Mode, StudentConfig};
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Options, Rows};
+use envs::{EnvOptions, GoalEnv, Rows};
 
 /// A student small enough to learn the toy task within seconds.
 pub(crate) fn small() -> StudentConfig {
@@ -22,7 +22,7 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(config: &StudentConfig, seed: u64) -> Self {
         agents::prepare_thread();
-        let env = envs::make("Point", &Options::default()).unwrap();
+        let env = envs::make("Point", &EnvOptions::default()).unwrap();
         Self {
             agent: agents::make(config, env.spec(), seed).unwrap(),
             env,

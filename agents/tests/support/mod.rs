@@ -2,12 +2,19 @@
 
 use agents::Episode;
 use envs::rng::Rng;
-use envs::{EnvError, Family, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
+use envs::{Defaults, EnvError, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
 use rand::Rng as _;
 
 /// The dimensions of FetchPush.
-pub(crate) const FETCH: Spec =
-    Spec { id: "FetchDimensions", family: Family::Fetch, state: 25, goal: 3, action: 4, horizon: 50 };
+pub(crate) const FETCH: Spec = Spec {
+    id: "FetchDimensions",
+    family: "fetch",
+    state: 25,
+    goal: 3,
+    action: 4,
+    horizon: 50,
+    defaults: Defaults::TOY,
+};
 
 /// An environment that stands still; its reward is that of a distance task with threshold 0.05.
 #[derive(Debug)]

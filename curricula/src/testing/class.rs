@@ -70,7 +70,7 @@ impl Class {
         goals: usize,
         script: Script,
     ) -> Result<Self, CurriculumError> {
-        let mut env = envs::make(environment, &envs::Options::default()).expect("an environment");
+        let mut env = envs::make(environment, &envs::EnvOptions::default()).expect("an environment");
         let pool = draw_pool(&mut *env, goals, &mut stream(0, Purpose::Pool)).expect("a pool");
         let student = small_student().resolve(env.spec()).expect("valid defaults");
         let setting = Setting { spec: env.spec().clone(), pool: Arc::new(pool), seed: 0, student };

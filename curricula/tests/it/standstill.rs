@@ -12,7 +12,7 @@ use crate::support::entry;
 /// The effective number of goals in the end.
 fn taught(states: &str, student: &str) -> f64 {
     agents::prepare_thread();
-    let mut env = envs::make("FetchPush", &envs::Options::default()).unwrap();
+    let mut env = envs::make("FetchPush", &envs::EnvOptions::default()).unwrap();
     let text = format!("width = 16\nbatch = 32\nactor_lr = 1e-30\ncritic_lr = 1e-30\n{student}");
     let config: StudentConfig = toml::from_str(&text).unwrap();
     let config = config.resolve(env.spec()).unwrap();

@@ -26,8 +26,8 @@ fn check_version(loaded: &str) -> Result<(), EnvError> {
     Err(EnvError::MujocoVersion { loaded: loaded.to_owned(), expected: VERSION })
 }
 
-/// Replaces MuJoCo's default warning handler, which appends to MUJOCO_LOG.TXT in the current folder. Nothing is
-/// lost: each warning is also counted in the simulation's data, where [`super::Sim`] looks for it.
+/// Replaces MuJoCo's default warning handler, which appends to MUJOCO_LOG.TXT in the current folder. Nothing
+/// is lost: each warning is also counted in the simulation's data, where [`super::Sim`] looks for it.
 #[allow(unsafe_code, reason = "the handler is a mutable C global without a safe wrapper")]
 fn silence_warnings() {
     unsafe extern "C" fn ignore(_message: *const c_char) {}

@@ -129,6 +129,7 @@ impl Sim {
         usize::try_from(self.model().name_to_id(kind, name)).map_err(|_| EnvError::Asset {
             path: assets::folder().join(self.file),
             reason: format!("the model has no {kind:?} `{name}`"),
+            source: None,
         })
     }
 

@@ -39,8 +39,8 @@ impl Site {
 
     /// The site's Jacobian times the current `qvel`, summed over the degrees of freedom that move it.
     ///
-    /// What `mj_jacSite` gives, without its dense 6 × nv matrix: column j is the motion axis `cdof[j]`, carried
-    /// from the root body's centre of mass to the site.
+    /// What `mj_jacSite` gives, without its dense 6 × nv matrix: column j is the motion axis `cdof[j]`,
+    /// carried from the root body's centre of mass to the site.
     pub(crate) fn velocity(&self, data: &Data) -> Velocity {
         let offset = sub(data.site_xpos()[self.id], data.subtree_com()[self.root]);
         let (axes, speeds) = (data.cdof(), data.qvel());

@@ -57,7 +57,7 @@ impl Image {
         let opaque = self.pixels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], u8::MAX]).collect();
         let size = IntSize::from_wh(self.width, self.height).ok_or(RenderError::Memory)?;
         let pixmap = Pixmap::from_vec(opaque, size).ok_or(RenderError::Memory)?;
-        pixmap.encode_png().map_err(|error| RenderError::Png(error.to_string()))
+        pixmap.encode_png().map_err(|error| RenderError::Png { source: error.into() })
     }
 }
 

@@ -1,22 +1,24 @@
-//! Drawing the plane from above: walls, start, path, goal, point.
+//! Drawing the plane from above: walls, start, path, goal, body, point.
 //!
 //! The first coordinate runs downwards and the second to the right, as the rows and columns of the mazes do.
 
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
-use super::{Image, PlaneScene, RenderError};
-use crate::maze::Grid;
+use super::{Image, PlaneScene, Rectangle, RenderError};
 
 const GROUND: [u8; 3] = [250, 250, 247];
 const WALL: [u8; 3] = [64, 70, 82];
 const START: [u8; 3] = [203, 213, 225];
 const PATH: [u8; 3] = [37, 99, 235];
 const GOAL: [u8; 3] = [220, 38, 38];
+const BODY: [u8; 3] = [100, 116, 139];
 
 /// Radius of the point, in the units of the square.
 const POINT_RADIUS: f32 = 0.035;
 /// Width of the path, in the units of the square.
 const PATH_WIDTH: f32 = 0.02;
+/// Width of a body's parts.
+const BODY_WIDTH: f32 = 0.05;
 
 /// Draws planes and remembers where the point went.
 pub(super) struct PlaneRenderer {
@@ -41,11 +43,12 @@ impl PlaneRenderer {
         let pixmap = Pixmap::new(self.width, self.height).ok_or(RenderError::Memory)?;
         let mut canvas = Canvas { to_pixels: self.to_pixels(), pixmap };
         canvas.pixmap.fill(colour(WALL, u8::MAX));
-        canvas.ground(scene.grid);
+        canvas.ground(scene.free);
         canvas.disc(self.path[0], POINT_RADIUS, START, u8::MAX);
         canvas.disc(scene.goal, scene.threshold as f32, GOAL, 70);
         canvas.disc(scene.goal, POINT_RADIUS / 2.0, GOAL, u8::MAX);
-        canvas.line(&self.path);
+        canvas.line(&self.path, PATH_WIDTH, &paint(PATH, 160, true));
+        canvas.line(&scene.body, BODY_WIDTH, &paint(BODY, u8::MAX, true));
         canvas.disc(scene.position, POINT_RADIUS, PATH, u8::MAX);
         let rgb = canvas.pixmap.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]);
         Ok(Image::new(self.width, self.height, rgb.collect()))
@@ -65,13 +68,11 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// The ground, cell by cell where there are walls.
-    fn ground(&mut self, grid: Option<&Grid>) {
-        let whole = [([-1.0; 2], [1.0; 2])];
+    /// The ground, part by part where there are walls.
+    fn ground(&mut self, free: Option<&[Rectangle]>) {
         let mut path = PathBuilder::new();
-        let cells = grid.into_iter().flat_map(|grid| grid.free().iter().map(|cell| cell.bounds()));
-        for ([top, left], [bottom, right]) in cells.chain(whole.into_iter().filter(|_| grid.is_none())) {
-            let [left, top, right, bottom] = [left, top, right, bottom].map(|edge: f64| edge as f32);
+        for corners in free.unwrap_or(&[[[-1.0; 2], [1.0; 2]]]) {
+            let [[top, left], [bottom, right]] = corners.map(|corner| corner.map(|edge| edge as f32));
             Rect::from_ltrb(left, top, right, bottom).into_iter().for_each(|cell| path.push_rect(cell));
         }
         self.fill(path, GROUND, u8::MAX, false);
@@ -89,20 +90,16 @@ impl Canvas {
         self.pixmap.fill_path(&path, &paint, FillRule::Winding, self.to_pixels, None);
     }
 
-    fn line(&mut self, points: &[[f64; 2]]) {
+    fn line(&mut self, points: &[[f64; 2]], width: f32, paint: &Paint<'_>) {
         let mut path = PathBuilder::new();
         for (index, [x0, x1]) in points.iter().map(|point| point.map(|part| part as f32)).enumerate() {
             if index == 0 { path.move_to(x1, x0) } else { path.line_to(x1, x0) }
         }
-        // A path of a single point has nothing to draw.
+        // A single point is no line.
         let Some(path) = path.finish() else { return };
-        let stroke = Stroke {
-            width: PATH_WIDTH,
-            line_cap: LineCap::Round,
-            line_join: LineJoin::Round,
-            ..Stroke::default()
-        };
-        self.pixmap.stroke_path(&path, &paint(PATH, 160, true), &stroke, self.to_pixels, None);
+        let stroke =
+            Stroke { width, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
+        self.pixmap.stroke_path(&path, paint, &stroke, self.to_pixels, None);
     }
 }
 

@@ -1,33 +1,43 @@
 //! What environments tell about how they look.
 
-use crate::maze::Grid;
 use crate::mujoco::Sim;
 
 /// What there is to draw of an environment now.
-pub struct Scene<'a>(pub(crate) Shape<'a>);
-
-/// The two kinds of worlds.
-pub(crate) enum Shape<'a> {
-    /// A point on [−1, 1]².
+pub enum Scene<'a> {
+    /// Something in the plane, seen from above.
     Plane(PlaneScene<'a>),
-    /// A MuJoCo simulation.
+    /// A MuJoCo simulation. Only this crate's own environments can show one.
     Simulation(SimulationScene<'a>),
 }
 
-/// A point on the square [−1, 1]².
-pub(crate) struct PlaneScene<'a> {
-    /// Its walls.
-    pub(crate) grid: Option<&'a Grid>,
-    /// Where the point is.
-    pub(crate) position: [f64; 2],
-    /// Where it should go,
-    pub(crate) goal: [f64; 2],
+/// A rectangle in the plane: its lowest and its highest coordinates.
+pub type Rectangle = [[f64; 2]; 2];
+
+/// Something that moves on the square [-1, 1]², and where it shall come to. In pictures the first coordinate
+/// runs downwards and the second to the right, as the rows and columns of a matrix do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneScene<'a> {
+    /// The parts without walls; nothing where all of the square is free.
+    pub free: Option<&'a [Rectangle]>,
+    /// The joints of a body, from its fixed end to the one at `position`; empty for a mere point.
+    pub body: Vec<[f64; 2]>,
+    /// What shall come to the goal. The path that it takes is drawn.
+    pub position: [f64; 2],
+    /// Where it shall come,
+    pub goal: [f64; 2],
     /// within this distance.
-    pub(crate) threshold: f64,
+    pub threshold: f64,
+}
+
+impl PlaneScene<'_> {
+    /// A point on the empty square.
+    pub fn point(position: [f64; 2], goal: [f64; 2], threshold: f64) -> Self {
+        Self { free: None, body: Vec::new(), position, goal, threshold }
+    }
 }
 
 /// A MuJoCo simulation.
-pub(crate) struct SimulationScene<'a> {
+pub struct SimulationScene<'a> {
     /// The simulation.
     pub(crate) sim: &'a Sim,
     /// Where it is looked at from.

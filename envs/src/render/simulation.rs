@@ -14,7 +14,8 @@ const MAX_SPHERES: usize = 16;
 
 /// Draws simulations of one model.
 ///
-/// It has a copy of the model and a state of its own, so that neither markers nor `mj_forward` touch the environment.
+/// It has a copy of the model and a state of its own, so that neither markers nor `mj_forward` touch the
+/// environment.
 pub(super) struct SimulationRenderer {
     /// The environment's model, to recognise it by.
     source: Arc<MjModel>,
@@ -43,7 +44,7 @@ impl SimulationRenderer {
             .num_visual_user_geom(MAX_SPHERES as u32)
             .camera(camera(scene.viewpoint))
             .build(Arc::clone(&model))
-            .map_err(|error| RenderError::NoGraphics { reason: error.to_string() })?;
+            .map_err(|error| RenderError::NoGraphics { source: error.into() })?;
         Ok(Self { source, data: MjData::new(model), renderer, width, height })
     }
 

@@ -3,9 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::{Deviations, Divergence, Place, Problem};
-
-/// Largest absolute deviation that passes where nothing is simulated over time, and after simulated steps.
-pub(super) const TOLERANCE: f64 = 1e-9;
+use crate::registry::Verification;
 
 /// The quantities that are compared number by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +83,8 @@ impl Comparison {
         }
     }
 
-    /// Compares the constants of the environment with `meta`. Returns the names in `meta` that were not asked for.
+    /// Compares the constants of the environment with `meta`. Returns the names in `meta` that were not asked
+    /// for.
     ///
     /// # Errors
     /// [`Problem::Missing`] if a constant is not in `meta`.
@@ -114,7 +113,7 @@ impl Comparison {
         let same = match (expected.as_f64(), got.as_f64()) {
             (Some(a), Some(b)) => {
                 self.deviations.constants = self.deviations.constants.max((a - b).abs());
-                agree(a, b, TOLERANCE)
+                agree(a, b, Verification::ROUNDING)
             }
             _ => expected == got,
         };

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use super::Place;
 use crate::error::EnvError;
-use crate::replay::ReplayError;
+use crate::playback::PlaybackError;
 
 /// A trace file that cannot be replayed.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {problem}", file.display())]
+#[error("{}", file.display())]
 pub struct TraceError {
     /// The file or folder.
     pub file: PathBuf,
     /// What is wrong, and where in the file.
+    #[source]
     pub problem: Box<Problem>,
 }
 
@@ -27,7 +28,7 @@ pub enum Problem {
     #[error("no file ends with .json.gz")]
     NoFiles,
     /// The JSON is damaged, or a field is missing, unknown or of another type.
-    #[error("{field}: {source}")]
+    #[error("{field}")]
     Parse {
         /// The field, such as `traces[1].reward`.
         field: String,
@@ -65,11 +66,11 @@ pub enum Problem {
         got: usize,
     },
     /// The environment refused what was recorded.
-    #[error("{place}: {source}")]
+    #[error("{place}")]
     Replay {
         /// Where.
         place: Place,
         /// Why.
-        source: ReplayError,
+        source: PlaybackError,
     },
 }

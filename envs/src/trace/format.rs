@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use super::Problem;
 use crate::draws::Draw;
 use crate::mujoco::Physics;
-use crate::replay::{SimulationStart, Start};
+use crate::playback::{SimulationStart, Start};
 
 /// A trace file.
 #[derive(Debug, Deserialize)]
@@ -42,7 +42,8 @@ pub(super) struct Reset {
     pub(super) achieved_goal: Vec<f64>,
 }
 
-/// A start, a goal, actions, and what they led to; every list but the first five fields has one entry per step.
+/// A start, a goal, actions, and what they led to; every list but the first five fields has one entry per
+/// step.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Trace {

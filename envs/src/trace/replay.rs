@@ -2,18 +2,14 @@
 
 use std::path::Path;
 
-use super::compare::{Comparison, Field, TOLERANCE, check_length};
+use super::compare::{Comparison, Field, check_length};
 use super::format::{Recording, Reset, Trace};
 use super::{FileReport, Place, Problem};
 use crate::draws::RecordedDraws;
 use crate::env::GoalEnv;
 use crate::mujoco::Physics;
-use crate::registry::{self, Options};
-use crate::replay::{Replay, ReplayError, Start};
-
-/// The egg rolls on curved contacts: with native CCD its traces differ by up to 3e-4 between types of CPU, where all
-/// other environments stay below 1e-11.
-const EGG_TOLERANCE: f64 = 1e-3;
+use crate::playback::{Playback, PlaybackError, Start};
+use crate::registry::{self, EnvOptions, Verification};
 
 /// Replays all that `recording` holds.
 pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, Box<Problem>> {
@@ -23,10 +19,11 @@ pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, B
     }
     let physics = meta.physics();
     let native_ccd = physics == Some(Physics::NativeCcd);
-    let env = registry::make(meta.environment(), &Options { native_ccd }).map_err(Problem::Environment)?;
-    let tolerance = tolerance(env.spec().id, native_ccd);
+    let row = registry::find(meta.environment()).map_err(Problem::Environment)?;
+    let env = row.make(&EnvOptions { native_ccd }).map_err(Problem::Environment)?;
+    let tolerance = row.verification.tolerance(physics);
     let mut session = Session { env, tolerance, comparison: Comparison::default() };
-    let ours = session.replayable()?.constants();
+    let ours = session.playback()?.constants();
     let not_compared = session.comparison.constants(&meta.constants, &ours)?;
     for (index, reset) in resets.iter().enumerate() {
         session.reset(&Place::Reset(index), reset)?;
@@ -51,11 +48,6 @@ pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, B
     })
 }
 
-/// Largest absolute deviation that passes after simulated steps.
-fn tolerance(id: &str, native_ccd: bool) -> f64 {
-    if native_ccd && id.starts_with("HandManipulateEgg") { EGG_TOLERANCE } else { TOLERANCE }
-}
-
 struct Session {
     env: Box<dyn GoalEnv>,
     tolerance: f64,
@@ -71,15 +63,15 @@ struct Shown<'r> {
 }
 
 impl Session {
-    fn replayable(&mut self) -> Result<&mut dyn Replay, Box<Problem>> {
+    fn playback(&mut self) -> Result<&mut dyn Playback, Box<Problem>> {
         let id = self.env.spec().id;
-        Ok(self.env.replay().ok_or(Problem::NotReplayable { id })?)
+        Ok(self.env.playback().ok_or(Problem::NotReplayable { id })?)
     }
 
     fn reset(&mut self, place: &Place, reset: &Reset) -> Result<(), Box<Problem>> {
         let mut draws = RecordedDraws::new(&reset.draws);
-        let outcome = self.replayable()?.reset_recorded(&mut draws);
-        outcome.and_then(|()| Ok(draws.finish()?)).map_err(|error| refused(place, error))?;
+        let outcome = self.playback()?.reset_recorded(&mut draws);
+        outcome.map_err(|error| refused(place, error))?;
         self.comparison.numbers(place, Field::Goal, &reset.goal, self.env.goal(), self.tolerance)?;
         let shown = Shown {
             observation: &reset.observation,
@@ -93,10 +85,10 @@ impl Session {
     fn trace(&mut self, index: usize, trace: &Trace) -> Result<(), Box<Problem>> {
         let place = |step| Place::Trace { trace: index, seed: trace.seed.clone(), step };
         self.check_lengths(&place(0), trace)?;
-        let begun = self.replayable()?.begin(&trace.start);
+        let begun = self.playback()?.begin(&trace.start);
         begun.map_err(|error| refused(&place(0), error))?;
         self.env.set_goal(&trace.goal).map_err(|error| refused(&place(0), error.into()))?;
-        self.compare(&place(0), &trace.shown_at_start(), TOLERANCE)?;
+        self.compare(&place(0), &trace.shown_at_start(), Verification::ROUNDING)?;
         for (step, action) in trace.actions.iter().enumerate() {
             let place = place(step + 1);
             check_length(&place, "actions", action.len(), self.env.spec().action)?;
@@ -127,7 +119,7 @@ impl Session {
     }
 
     fn compare(&mut self, place: &Place, shown: &Shown<'_>, tolerance: f64) -> Result<(), Box<Problem>> {
-        let state = self.replayable()?.capture();
+        let state = self.playback()?.capture();
         let (qpos, qvel) = positions_and_velocities(&state);
         let (comparison, ours) = (&mut self.comparison, self.env.observation());
         for (field, recorded, ours) in [
@@ -150,7 +142,7 @@ fn positions_and_velocities(state: &Start) -> (&[f64], &[f64]) {
     }
 }
 
-fn refused(place: &Place, source: ReplayError) -> Box<Problem> {
+fn refused(place: &Place, source: PlaybackError) -> Box<Problem> {
     Problem::Replay { place: place.clone(), source }.into()
 }
 

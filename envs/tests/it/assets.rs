@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use envs::{EnvError, Options, make};
+use envs::{EnvError, EnvOptions, make};
 
 /// Builds FetchReach in a process of its own, whose assets lie in `folder`.
 fn build_with_assets_in(folder: &Path, work: &Path) -> Output {
@@ -18,7 +18,7 @@ fn build_with_assets_in(folder: &Path, work: &Path) -> Output {
 #[test]
 #[ignore = "the process that the test below starts"]
 fn build_fetch_reach() {
-    if let Err(error) = make("FetchReach", &Options::default()) {
+    if let Err(error) = make("FetchReach", &EnvOptions::default()) {
         assert!(matches!(error, EnvError::Asset { .. }));
         panic!("{error}");
     }

@@ -9,6 +9,8 @@ use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use serde_json::{Value, json};
 
+use crate::told;
+
 fn golden(id: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{id}.json.gz"))
 }
@@ -35,13 +37,13 @@ fn nudge(recording: &mut Value, pointer: &str, shift: f64) {
 
 /// Where the altered recording first differs, in words.
 fn first_failure(recording: &Value) -> String {
-    let report = verify(recording).unwrap_or_else(|error| panic!("{error}"));
+    let report = verify(recording).unwrap_or_else(|error| panic!("{}", told(&error)));
     assert!(!report.passed());
     report.first_failure.unwrap().to_string()
 }
 
 fn error(recording: &Value) -> String {
-    verify(recording).expect_err("a damaged recording passed").to_string()
+    told(&verify(recording).expect_err("a damaged recording passed"))
 }
 
 #[test]
@@ -189,7 +191,7 @@ fn missing_unknown_and_left_over_entries_are_errors() {
 fn unreadable_files_and_empty_folders_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let none = verify_dir(folder.path()).unwrap_err();
-    assert!(none.to_string().contains("no file ends with .json.gz"), "{none}");
+    assert!(told(&none).contains("no file ends with .json.gz"), "{none}");
     let absent = verify_dir(&folder.path().join("absent")).unwrap_err();
     assert!(matches!(*absent.problem, Problem::Read(_)), "{absent}");
 

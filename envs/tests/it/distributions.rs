@@ -5,12 +5,12 @@
 use std::f64::consts::PI;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{GoalEnv, Goals, Options, draw_pool, make};
+use envs::{EnvOptions, GoalEnv, Goals, draw_pool, make};
 
 const DRAWS: usize = 4000;
 
 fn build(id: &str) -> Box<dyn GoalEnv> {
-    make(id, &Options::default()).unwrap()
+    make(id, &EnvOptions::default()).unwrap()
 }
 
 fn rng() -> Rng {

@@ -4,12 +4,12 @@ use std::process::Command;
 
 use envs::render::{Image, MAX_SIZE, RenderError, Renderer};
 use envs::rng::{Purpose, stream};
-use envs::{EnvError, GoalEnv, GoalSource, Observation, Options, Reward, Spec, make};
+use envs::{EnvError, EnvOptions, GoalEnv, GoalSource, Observation, Reward, Spec, make};
 
 const SIZE: u32 = 260;
 
 fn build(id: &str) -> Box<dyn GoalEnv> {
-    let mut env = make(id, &Options::default()).unwrap();
+    let mut env = make(id, &EnvOptions::default()).unwrap();
     env.reset(&mut stream(7, Purpose::Environment)).unwrap();
     env
 }

@@ -61,13 +61,13 @@ fn as_json(registry: &Registry, what: What) -> Value {
             .map(|entry| {
                 let spec = &entry.spec;
                 json!({
-                    "id": spec.id, "title": entry.title, "family": spec.family, "state": spec.state,
-                    "goal": spec.goal, "action": spec.action, "horizon": spec.horizon,
+                    "id": spec.id, "title": entry.title, "source": entry.source, "family": spec.family,
+                    "state": spec.state, "goal": spec.goal, "action": spec.action, "horizon": spec.horizon,
                 })
             })
             .collect(),
         What::Suites => {
-            envs::registry::SUITES.iter().map(|(suite, ids)| ((*suite).to_owned(), json!(ids))).collect()
+            registry.suites().iter().map(|suite| (suite.id.to_owned(), json!(suite.environments))).collect()
         }
         What::Curricula => registry
             .curricula()
@@ -91,8 +91,10 @@ fn as_text(registry: &Registry, what: What) -> String {
     match what {
         What::Environments => environments(registry),
         What::Suites => {
-            let lines =
-                envs::registry::SUITES.iter().map(|(suite, ids)| format!("{suite:<12} {}\n", ids.join(", ")));
+            let lines = registry
+                .suites()
+                .iter()
+                .map(|suite| format!("{:<12} {}\n", suite.id, suite.environments.join(", ")));
             format!("suite        environments\n{}", lines.collect::<String>())
         }
         What::Curricula => {

@@ -11,7 +11,7 @@ use envs::rng::{Purpose, Rng, stream};
 
 use super::{Exit, ExitCode, print};
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, chain};
 use crate::run::folder::new_file;
 use crate::run::policy::Policy;
 
@@ -81,8 +81,8 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
     Ok(ExitCode::Success)
 }
 
-fn unusable(what: &Path, error: &impl ToString) -> HarnessError {
-    HarnessError::Damaged { path: what.to_owned(), reason: error.to_string() }
+fn unusable(what: &Path, error: &dyn std::error::Error) -> HarnessError {
+    HarnessError::Damaged { path: what.to_owned(), reason: chain(error) }
 }
 
 /// Environment and student of a run.
@@ -95,10 +95,10 @@ fn trained(registry: &Registry, folder: &Path) -> Result<(Box<dyn GoalEnv>, Acto
 
 fn random(registry: &Registry, id: &str, seed: u64) -> Result<(Box<dyn GoalEnv>, Actor), HarnessError> {
     let Some(entry) = registry.environment(id) else {
-        let accepted = registry.environments().iter().map(|entry| entry.spec.id);
+        let accepted = registry.environments().iter().map(envs::Environment::id);
         return Err(HarnessError::unknown("--env: ", "environment", id, accepted));
     };
-    let env = entry.make(&envs::Options::default()).map_err(|error| unusable(Path::new(id), &error))?;
+    let env = entry.make(&envs::EnvOptions::default()).map_err(|error| unusable(Path::new(id), &error))?;
     Ok((env, Actor::Random(Box::new(stream(seed, Purpose::Exploration)))))
 }
 

@@ -40,7 +40,7 @@ fn options(registry: &Registry) -> Options {
         note: entry.paper.map_or_else(String::new, |paper| paper.note.to_owned()),
     });
     let mazes = registry.environments().iter().filter_map(|entry| {
-        let walls = envs::maze_walls(entry.spec.id)?;
+        let walls = entry.walls?;
         Some(MazeInfo {
             id: entry.spec.id.to_owned(),
             grid: walls.iter().map(|row| (*row).to_owned()).collect(),

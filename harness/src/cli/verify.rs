@@ -6,7 +6,7 @@ use envs::trace::{FileReport, TraceError, verify_dir};
 use serde_json::{Value, json};
 
 use super::{Exit, ExitCode, complain, print};
-use crate::error::HarnessError;
+use crate::error::{HarnessError, chain};
 
 #[derive(clap::Args)]
 #[command(
@@ -30,7 +30,7 @@ pub(super) fn verify(args: &Args) -> Exit {
         print(&as_text(&files));
         for file in &files {
             match file {
-                Err(error) => complain(&format!("goalbench: {error}")),
+                Err(error) => complain(&format!("goalbench: {}", chain(error))),
                 Ok(report) => {
                     if let Some(failure) = &report.first_failure {
                         complain(&format!("goalbench: {}: {failure}", report.file.display()));
@@ -50,7 +50,7 @@ fn as_json(files: &[Result<FileReport, TraceError>], passed: bool) -> Value {
             value["passed"] = report.passed().into();
             value
         }
-        Err(error) => json!({ "passed": false, "error": error.to_string() }),
+        Err(error) => json!({ "passed": false, "error": chain(error) }),
     });
     json!({ "passed": passed, "files": files.collect::<Vec<_>>() })
 }

@@ -99,7 +99,8 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// The layer of one `--set path=value`. The value is read as TOML, and as a plain string where it is none.
+    /// The layer of one `--set path=value`. The value is read as TOML, and as a plain string where it is
+    /// none.
     ///
     /// # Errors
     /// [`HarnessError::Argument`] if there is no `=` or the path is empty.
@@ -153,7 +154,8 @@ fn nest(path: &[&str], value: Value) -> Table {
     table
 }
 
-/// Lays `over` upon `base`: tables merge, everything else is replaced; so is a table of another `kind`, whose fields are others.
+/// Lays `over` upon `base`: tables merge, everything else is replaced; so is a table of another `kind`, whose
+/// fields are others.
 pub fn merge(base: &mut Table, over: &Table) {
     let other_kind = |below: &Table, above: &Table| {
         above.get("kind").is_some_and(|kind| below.get("kind").is_some_and(|other| other != kind))

@@ -1,7 +1,7 @@
 //! The config of one run: typed, complete, and put together from layers.
 //!
 //! Paths are the same in a protocol file and in `--set`: `budget.steps`, `student.batch`,
-//! `curriculum.teach.window`. Low to high: defaults of the environment's family, the student's preset, the
+//! `curriculum.teach.window`. Low to high: the environment's defaults, the student's preset, the
 //! protocol's tables, its overrides, the variant's patch, the command line.
 
 pub mod layer;
@@ -11,7 +11,7 @@ pub mod strict;
 
 use agents::{Auto, Preset, StudentConfig};
 use curricula::Entry as CurriculumEntry;
-use envs::{Family, Spec};
+use envs::Spec;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -30,7 +30,7 @@ pub struct RunConfig {
     /// How to measure.
     pub evaluation: Evaluation,
     /// Physics options of MuJoCo environments.
-    pub physics: Physics,
+    pub physics: PhysicsOptions,
     /// The pool of candidate goals.
     pub pool: Pool,
     /// Seeds of single random streams.
@@ -63,8 +63,8 @@ pub struct Evaluation {
     pub goals: EvaluationGoals,
 }
 
-/// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the goal space", which "consists
-/// of N goals".
+/// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the
+/// goal space", which "consists of N goals".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EvaluationGoals {
@@ -77,8 +77,8 @@ pub enum EvaluationGoals {
 
 /// `physics`: options of MuJoCo environments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Physics {
+#[serde(deny_unknown_fields, default, expecting = "a table with the key `native_ccd`")]
+pub struct PhysicsOptions {
     /// MuJoCo's native convex collision detection; `false` is closest to the paper's MuJoCo.
     pub native_ccd: bool,
 }
@@ -100,10 +100,10 @@ impl Default for Pool {
 /// The config as written: `auto` allowed, student and curriculum apart.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Written {
-    budget: WrittenBudget,
-    evaluation: WrittenEvaluation,
-    physics: Physics,
+struct PartialConfig {
+    budget: PartialBudget,
+    evaluation: PartialEvaluation,
+    physics: PhysicsOptions,
     pool: Pool,
     seed: StreamSeeds,
     student: Table,
@@ -112,19 +112,19 @@ struct Written {
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table with the key `steps`")]
-struct WrittenBudget {
+struct PartialBudget {
     steps: Auto<u64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table with the keys `every`, `episodes` and `goals`")]
-struct WrittenEvaluation {
+struct PartialEvaluation {
     every: Auto<u64>,
     episodes: u64,
     goals: EvaluationGoals,
 }
 
-impl Default for WrittenEvaluation {
+impl Default for PartialEvaluation {
     fn default() -> Self {
         Self { every: Auto::Auto, episodes: 20, goals: EvaluationGoals::default() }
     }
@@ -132,15 +132,6 @@ impl Default for WrittenEvaluation {
 
 /// The names of the config's top-level tables.
 pub const SECTIONS: [&str; 7] = ["budget", "evaluation", "physics", "pool", "seed", "student", "curriculum"];
-
-/// The paper's budget and evaluation interval per family (methods: 1M steps for robotics, 400k for mazes).
-fn family_defaults(family: Family) -> (u64, u64) {
-    match family {
-        Family::Toy => (4_000, 400),
-        Family::Maze => (400_000, 5_000),
-        Family::Fetch | Family::Hand => (1_000_000, 10_000),
-    }
-}
 
 /// Puts the config of one run together from `layers`, low to high.
 ///
@@ -167,13 +158,12 @@ fn try_resolve(
     for layer in layers {
         merge(&mut table, &layer.table);
     }
-    let written: Written = strict::read(table, "")?;
+    let written: PartialConfig = strict::read(table, "")?;
     let student = read_student(written.student, spec)?;
-    let (steps, every) = family_defaults(spec.family);
     let config = RunConfig {
-        budget: Budget { steps: written.budget.steps.value_or(|| steps) },
+        budget: Budget { steps: written.budget.steps.value_or(|| spec.defaults.steps) },
         evaluation: Evaluation {
-            every: written.evaluation.every.value_or(|| every),
+            every: written.evaluation.every.value_or(|| spec.defaults.evaluate_every),
             episodes: written.evaluation.episodes,
             goals: written.evaluation.goals,
         },
@@ -277,7 +267,7 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
 
 /// The config with every default, `auto` kept: what `goalbench list config` prints.
 pub fn defaults(registry: &Registry) -> Table {
-    let mut table = to_table(&Written::default());
+    let mut table = to_table(&PartialConfig::default());
     table.insert("student".into(), Value::Table(to_table(&StudentConfig::preset(Preset::default()))));
     let curricula =
         registry.curricula().iter().map(|entry| (entry.id.to_owned(), Value::Table((entry.defaults)())));

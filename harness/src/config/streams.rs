@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// `seed`: the seed of each kind of random draws; `auto` is the run's own.
 ///
-/// With one of them held while the run's seed varies, the spread over seeds shows what the others contribute: the variance that
-/// comes of the pool of goals, say, apart from that of the initial weights.
+/// With one of them held while the run's seed varies, the spread over seeds shows what the others contribute:
+/// the variance that comes of the pool of goals, say, apart from that of the initial weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,

@@ -149,7 +149,7 @@ mod tests {
     use super::{Score, evaluate};
 
     fn instances(id: &str, count: usize) -> Vec<Box<dyn GoalEnv>> {
-        let make = |_| envs::make(id, &envs::Options::default()).expect("a built-in environment");
+        let make = |_| envs::make(id, &envs::EnvOptions::default()).expect("a built-in environment");
         (0..count).map(make).collect()
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use agents::{Agent, AgentError};
-use envs::{EnvError, GoalEnv, Options, Spec};
+use envs::{EnvError, EnvOptions, GoalEnv, Spec};
 use reports::schema::{Manifest, RunKey};
 
 use super::checkpoint::{self, CHECKPOINT, CheckpointError};
@@ -11,7 +11,7 @@ use super::folder;
 use super::state::TrainerState;
 use crate::Registry;
 use crate::config::RunConfig;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, chain};
 
 /// What a run's folder holds of its student, read at one moment. The folder is only read, and a run in progress may go on: its
 /// checkpoint is replaced whole.
@@ -63,7 +63,7 @@ impl Policy {
     /// If `registry` is not the one that [`Policy::read`] was given and lacks the environment.
     pub fn environment(&self, registry: &Registry) -> Result<Box<dyn GoalEnv>, HarnessError> {
         let entry = registry.environment(&self.run().environment).expect("it was checked when read");
-        let options = Options { native_ccd: self.config.physics.native_ccd };
+        let options = EnvOptions { native_ccd: self.config.physics.native_ccd };
         entry.make(&options).map_err(|error: EnvError| self.unusable(&error))
     }
 
@@ -80,7 +80,7 @@ impl Policy {
     }
 
     fn unusable(&self, error: &dyn std::error::Error) -> HarnessError {
-        HarnessError::Damaged { path: self.folder.clone(), reason: error.to_string() }
+        HarnessError::Damaged { path: self.folder.clone(), reason: chain(error) }
     }
 }
 

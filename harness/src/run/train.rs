@@ -62,7 +62,7 @@ impl Trainer {
     pub fn new(registry: &Registry, key: RunKey, config: RunConfig) -> Result<Self, RunError> {
         let known = "a plan only holds known names";
         let entry = registry.environment(&key.environment).expect(known);
-        let options = envs::registry::Options { native_ccd: config.physics.native_ccd };
+        let options = envs::EnvOptions { native_ccd: config.physics.native_ccd };
         let env = entry.make(&options)?;
         let instances = config.evaluation.episodes.min(LOCKSTEP);
         let mut evaluation_envs =

@@ -6,7 +6,7 @@ mod marked;
 mod watched;
 
 use curricula::{CURRICULA, Entry};
-use envs::{Environment, Family, Spec};
+use envs::{Defaults, Environment, Spec};
 use goalbench::Registry;
 use goalbench::config::{self, layer::Layer};
 use goalbench::run::observer::Observer;
@@ -32,10 +32,18 @@ impl Observer for Notes {
 /// Ten cycles of a small student on the marked task with the teacher of `entry`, under watch.
 fn run(entry: &'static Entry, own: &[&str], evaluation: [&str; 2]) -> Notes {
     agents::prepare_thread();
-    let spec = Spec { id: "Marked", family: Family::Toy, state: 2, goal: 2, action: 2, horizon: 20 };
+    let spec = Spec {
+        id: "Marked",
+        family: "toy",
+        state: 2,
+        goal: 2,
+        action: 2,
+        horizon: 20,
+        defaults: Defaults::TOY,
+    };
     let method = watched::watched(entry);
     let registry = Registry::builtin()
-        .with_environment(Environment::new(spec.clone(), "A marked point", marked::make))
+        .with_environment(Environment::new(spec.clone(), "A marked point", "A test", marked::make))
         .with_curriculum(method);
     let student = ["student.batch=16", "student.width=16", "student.updates_per_cycle=4"];
     let sizes = ["budget.steps=400", "pool.size=20"];

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{EnvError, GoalEnv, GoalSource, Observation, Options, Reward, Spec};
+use envs::{EnvError, EnvOptions, GoalEnv, GoalSource, Observation, Reward, Spec};
 
 /// Added to every number of an evaluation's states and goals. The training side has none beyond 1.
 pub(crate) const MARK: f64 = 1_000.0;
@@ -33,7 +33,7 @@ pub(crate) struct Marked {
 }
 
 /// An [`envs::registry::Constructor`].
-pub(crate) fn make(spec: Spec, options: &Options) -> Result<Box<dyn GoalEnv>, EnvError> {
+pub(crate) fn make(spec: Spec, options: &EnvOptions) -> Result<Box<dyn GoalEnv>, EnvError> {
     let point = envs::make("Point", options)?;
     let (observation, goal) = (point.observation().clone(), point.goal().to_vec());
     Ok(Box::new(Marked { point, spec, shift: 0.0, observation, goal }))

@@ -1,7 +1,7 @@
 //! The goals that an environment can ask for, told from its geometry.
 
 use envs::rng::{Purpose, stream};
-use envs::{Observation, Options};
+use envs::{EnvOptions, Observation};
 
 /// Goals are recorded in single precision; metres and units of the maze are below 2.
 const ROUNDING: f64 = 1e-6;
@@ -27,7 +27,7 @@ pub(crate) struct GoalSpace {
 
 impl GoalSpace {
     pub(crate) fn of(id: &'static str) -> Self {
-        let mut env = envs::make(id, &Options::default()).expect("an environment");
+        let mut env = envs::make(id, &EnvOptions::default()).expect("an environment");
         env.reset(&mut stream(1, Purpose::Environment)).expect("a start");
         Self { id, start: env.observation().clone() }
     }
@@ -36,7 +36,8 @@ impl GoalSpace {
     pub(crate) fn contains(&self, goal: &[f32]) -> bool {
         let goal: Vec<f64> = goal.iter().map(|&x| f64::from(x)).collect();
         let Observation { state, achieved } = &self.start;
-        // The state of all Fetch tasks begins with the gripper's position. An object rests at the height of the table.
+        // The state of all Fetch tasks begins with the gripper's position. An object rests at the height of
+        // the table.
         let beside = |ahead: f64, reach: f64| {
             (goal[0] - state[0] - ahead).abs() <= reach + RESTING
                 && (goal[1] - state[1]).abs() <= reach + RESTING
@@ -63,7 +64,8 @@ fn distances<'a>(a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
     a.iter().zip(b).map(|(a, b)| (a - b).abs())
 }
 
-/// Five fingertips: all where they start, or the thumb (the last) and one finger close together and the others there.
+/// Five fingertips: all where they start, or the thumb (the last) and one finger close together and the
+/// others there.
 fn at_rest_or_meeting(goal: &[f64], start: &[f64]) -> bool {
     let tips: Vec<(&[f64], &[f64])> = goal.chunks(3).zip(start.chunks(3)).collect();
     let moved: Vec<usize> =
@@ -86,7 +88,7 @@ fn in_hand(goal: &[f64], start: &[f64]) -> bool {
 
 /// The square [-1, 1]² in 13 × 13 cells; the row goes with the first coordinate.
 fn is_free(maze: &str, goal: &[f64]) -> bool {
-    let walls = envs::maze_walls(maze).expect("a maze");
+    let walls = envs::find(maze).expect("an environment").walls.expect("a maze");
     let cell = |x: f64| ((x + 1.0) / 2.0 * walls.len() as f64).floor();
     let (row, column) = (cell(goal[0]), cell(goal[1]));
     let inside = row >= 0.0 && column >= 0.0;

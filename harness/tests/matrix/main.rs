@@ -98,8 +98,8 @@ fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
     }
 }
 
-/// Whether an evaluation tells what there is to tell of the teacher: for teachers of the pool its weights, and how spread
-/// out they are; for VDS how spread out its last choice was.
+/// Whether an evaluation tells what there is to tell of the teacher: for teachers of the pool its weights,
+/// and how spread out they are; for VDS how spread out its last choice was.
 fn told(record: &Record, teaching: &Teaching, uses_pool: bool) -> bool {
     let number = |name| record.teacher.get(name).and_then(serde_json::Value::as_f64);
     let spread = |most: usize| {

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs of these")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A run of the toy task that takes about a second, whose options later ones override.
@@ -45,6 +45,38 @@ pub(crate) fn toy(out: &Path, more: &[&str]) {
 pub(crate) fn toy_args<'a>(out: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
     let out = out.to_str().expect("a test path is UTF-8");
     TOY.iter().copied().chain(["--out", out]).chain(more.iter().copied()).collect()
+}
+
+/// The example program `name`. Cargo builds examples with the tests, into a folder beside theirs.
+pub(crate) fn example(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test has a path");
+    let profile = test.parent().and_then(|deps| deps.parent()).expect("tests lie in PROFILE/deps");
+    profile.join("examples").join(name)
+}
+
+/// Runs the example program `name` with `args` and waits.
+pub(crate) fn run_example(name: &str, args: &[&str]) -> Output {
+    Command::new(example(name))
+        .args(args)
+        .output()
+        .expect("`cargo test` builds examples; with --test alone, `cargo build --release --examples` first")
+}
+
+/// Checks that the section of `page` under `heading` quotes lines of `example`, so that the page stays true
+/// when the example changes.
+pub(crate) fn assert_quotes(page: &str, heading: &str, example: &str) {
+    let (_, rest) = page.split_once(heading).expect("the walk through the example");
+    let (walk, _) = rest.split_once("\n#").expect("the next section");
+    let quoted: Vec<&str> = walk
+        .split("```rust\n")
+        .skip(1)
+        .flat_map(|rest| rest.split("```").next().unwrap_or_default().lines())
+        .map(str::trim)
+        .collect();
+    assert!(quoted.len() > 10, "{quoted:?}");
+    for line in quoted {
+        assert!(example.contains(line), "the example has no line `{line}`");
+    }
 }
 
 /// Number of TFRecords in `file`: length (8 bytes), its checksum (4), payload, its checksum (4).

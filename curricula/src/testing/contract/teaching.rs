@@ -42,7 +42,7 @@ fn in_goal_space(env: &dyn GoalEnv, goal: &[f64]) -> bool {
             goal.len() == 3 && goal.iter().zip(start).all(|(x, start)| (x - start).abs() <= 0.15)
         }
         maze => {
-            let walls = envs::maze_walls(maze).expect("a maze");
+            let walls = envs::find(maze).expect("an environment").walls.expect("a maze");
             // The square [-1, 1]² in 13 × 13 cells.
             let [row, column] = [goal[0], goal[1]].map(|x| ((x + 1.0) / 2.0 * 13.0) as usize);
             goal.len() == 2 && walls.get(row).is_some_and(|row| matches!(row.as_bytes()[column], b'.' | b'S'))

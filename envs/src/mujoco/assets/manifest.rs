@@ -27,10 +27,11 @@ pub(super) fn check(folder: &Path, family: &str) -> Result<(), EnvError> {
         MANIFEST.lines().filter_map(|line| line.split_once("  ")).filter(|(_, name)| belongs(name))
     {
         let path = folder.join(name);
-        let broken = |reason: String| EnvError::Asset { path: path.clone(), reason };
-        let content = fs::read(&path).map_err(|error| broken(error.to_string()))?;
+        let broken =
+            |reason: &str, source| EnvError::Asset { path: path.clone(), reason: reason.into(), source };
+        let content = fs::read(&path).map_err(|error| broken("cannot be read", Some(error.into())))?;
         if hex(&Sha256::digest(content)) != digest {
-            return Err(broken("its content is not that of gymnasium-robotics 1.4.2".to_owned()));
+            return Err(broken("its content is not that of gymnasium-robotics 1.4.2", None));
         }
     }
     Ok(())

@@ -3,14 +3,14 @@
 use mujoco_rs::wrappers::mj_model::MjtObj;
 use serde_json::{Map, Value, json};
 
-use super::{Hand, VIEWPOINT};
+use super::Hand;
 use crate::draws::Draws;
-use crate::env::Observation;
+use crate::env::{Observation, Reward};
 use crate::error::EnvError;
-use crate::metric::{distance, norm, sparse_reward};
+use crate::metric::{WithinDistance, norm};
 use crate::mujoco::{Physics, Site, Snapshot, sub};
-use crate::render::{GoalShape, Shape, SimulationScene, Sphere};
-use crate::replay::{ReplayError, Start};
+use crate::playback::{PlaybackError, RecordedWorld, Start};
+use crate::render::{GoalShape, Scene, Sphere};
 use crate::world::World;
 use crate::writer::Writer;
 
@@ -71,7 +71,7 @@ const COLOURS: [[f32; 3]; 5] =
 type Tips = [[f64; 3]; 5];
 
 /// The world of HandReach. Positions are metres, angles radians, velocities per second.
-pub(crate) struct HandReach {
+pub(super) struct HandReach {
     hand: Hand,
     tips: [Site; 5],
     initial: Snapshot,
@@ -82,7 +82,7 @@ pub(crate) struct HandReach {
 }
 
 impl HandReach {
-    pub(crate) fn new(id: &'static str, physics: Physics) -> Result<Self, EnvError> {
+    pub(super) fn new(id: &'static str, physics: Physics) -> Result<Self, EnvError> {
         let mut hand = Hand::new(id, "hand/reach.xml", physics)?;
         let [ff, mf, rf, lf, th] = TIPS.map(|name| hand.sim.site(name));
         let tips = [ff?, mf?, rf?, lf?, th?];
@@ -113,31 +113,27 @@ fn stop_before(meeting: [f64; 3], tip: [f64; 3]) -> [f64; 3] {
 
 impl World for HandReach {
     /// The start is always the same.
-    fn start<D: Draws, E>(&mut self, _draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>,
-    {
+    fn start(&mut self, _draws: &mut Draws<'_>) -> Result<(), EnvError> {
         let sim = &mut self.hand.sim;
         sim.data_mut().reset();
         sim.restore(&self.initial);
         sim.forward();
-        Ok(sim.check()?)
+        sim.check()
     }
 
-    fn draw_goal<D: Draws>(&self, draws: &mut D, goal: &mut [f64]) -> Result<(), D::Error> {
-        let finger = draws.index(THUMB)?;
-        let shift: [f64; 3] = draws.normal(SPREAD)?;
+    fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
+        let finger = draws.index(THUMB);
+        let shift: [f64; 3] = draws.normal(SPREAD);
         let meeting = std::array::from_fn(|i| self.palm[i] + MEETING[i] + shift[i]);
         let mut tips = self.initial_tips;
         for tip in [THUMB, finger] {
             tips[tip] = stop_before(meeting, self.initial_tips[tip]);
         }
-        let [at_rest] = draws.uniform([0.0], [1.0])?;
+        let [at_rest] = draws.uniform([0.0], [1.0]);
         if at_rest < AT_REST {
             tips = self.initial_tips;
         }
         goal.copy_from_slice(tips.as_flattened());
-        Ok(())
     }
 
     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError> {
@@ -145,8 +141,8 @@ impl World for HandReach {
         self.hand.sim.advance()
     }
 
-    /// Joint positions 24, joint velocities 24, fingertips 15. After a step the fingertips lag one substep behind
-    /// the joints, as in the reference.
+    /// Joint positions 24, joint velocities 24, fingertips 15. After a step the fingertips lag one substep
+    /// behind the joints, as in the reference.
     fn observe(&self, observation: &mut Observation) {
         let tips = self.tips_now();
         let mut state = Writer::new(&mut observation.state);
@@ -155,16 +151,12 @@ impl World for HandReach {
         observation.achieved.copy_from_slice(tips.as_flattened());
     }
 
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        sparse_reward(distance(achieved, goal), THRESHOLD)
-    }
-
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        distance(achieved, goal) < THRESHOLD
+    fn task(&self) -> &dyn Reward {
+        &WithinDistance(THRESHOLD)
     }
 
     /// Small spheres where the fingertips should be, large faint ones where they are.
-    fn shape(&self, goal: &[f64]) -> Shape<'_> {
+    fn scene(&self, goal: &[f64]) -> Option<Scene<'_>> {
         let goals = goal.chunks_exact(3).map(|tip| ([tip[0], tip[1], tip[2]], 0.005, 1.0));
         let tips = self.tips_now().into_iter().map(|tip| (tip, 0.01, 0.2));
         let colours = COLOURS.iter().chain(&COLOURS);
@@ -173,14 +165,15 @@ impl World for HandReach {
             radius,
             rgba: [r, g, b, opacity],
         });
-        Shape::Simulation(SimulationScene {
-            sim: &self.hand.sim,
-            viewpoint: &VIEWPOINT,
-            hidden_sites: &HIDDEN_SITES,
-            goal: GoalShape::Spheres(spheres.collect()),
-        })
+        Some(self.hand.scene(&HIDDEN_SITES, GoalShape::Spheres(spheres.collect())))
     }
 
+    fn recorded(&mut self) -> Option<&mut dyn RecordedWorld> {
+        Some(self)
+    }
+}
+
+impl RecordedWorld for HandReach {
     fn constants(&self) -> Map<String, Value> {
         let own = json!({
             "reward_type": "sparse",
@@ -197,7 +190,7 @@ impl World for HandReach {
         self.hand.sim.capture()
     }
 
-    fn restore(&mut self, state: &Start) -> Result<(), ReplayError> {
+    fn restore(&mut self, state: &Start) -> Result<(), PlaybackError> {
         self.hand.sim.begin(state)
     }
 }

@@ -12,7 +12,7 @@ const SETTLING: usize = 10;
 
 /// What sets one Fetch task apart.
 #[derive(Debug)]
-pub(crate) struct Task {
+pub(super) struct Task {
     /// Model file.
     pub(super) file: &'static str,
     /// Position of the base's slide joints.
@@ -41,7 +41,7 @@ pub(super) struct Object {
 }
 
 /// FetchReach: no object, goals around the gripper.
-pub(crate) const REACH: Task = Task {
+pub(super) static REACH: Task = Task {
     file: "fetch/reach.xml",
     base: [0.4049, 0.48, 0.0],
     object: None,
@@ -53,7 +53,7 @@ pub(crate) const REACH: Task = Task {
 };
 
 /// FetchPush: a block to push along the table.
-pub(crate) const PUSH: Task = Task {
+pub(super) static PUSH: Task = Task {
     file: "fetch/push.xml",
     base: [0.405, 0.48, 0.0],
     object: Some(Object { position: [1.25, 0.53, 0.4], range: 0.15 }),
@@ -65,7 +65,7 @@ pub(crate) const PUSH: Task = Task {
 };
 
 /// FetchSlide: a puck to hit so that it slides to a place out of the arm's reach.
-pub(crate) const SLIDE: Task = Task {
+pub(super) static SLIDE: Task = Task {
     file: "fetch/slide.xml",
     base: [0.05, 0.48, 0.0],
     object: Some(Object { position: [1.7, 1.1, 0.41], range: 0.1 }),
@@ -77,7 +77,7 @@ pub(crate) const SLIDE: Task = Task {
 };
 
 /// FetchPickAndPlace: a block to carry, half of the time into the air.
-pub(crate) const PICK_AND_PLACE: Task = Task {
+pub(super) static PICK_AND_PLACE: Task = Task {
     file: "fetch/pick_and_place.xml",
     base: [0.405, 0.48, 0.0],
     object: Some(Object { position: [1.25, 0.53, 0.4], range: 0.15 }),

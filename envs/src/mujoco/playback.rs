@@ -1,11 +1,11 @@
-//! The parts of replaying that all simulations share.
+//! The parts of playing traces back that all simulations share.
 
 use serde_json::{Map, Value, json};
 
 use super::assets::DISABLE_NATIVE_CCD;
 use super::library::VERSION;
 use super::sim::{SUBSTEPS, Sim, Snapshot};
-use crate::replay::{ReplayError, SimulationStart, Start};
+use crate::playback::{PlaybackError, SimulationStart, Start};
 
 impl Sim {
     /// The constants that every recording of a simulation holds, and the environment's `own`.
@@ -35,12 +35,12 @@ impl Sim {
     }
 
     /// Puts the simulation into a recorded state: `mj_resetData`, the state, `mj_forward`.
-    pub(crate) fn begin(&mut self, start: &Start) -> Result<(), ReplayError> {
+    pub(crate) fn begin(&mut self, start: &Start) -> Result<(), PlaybackError> {
         let start = match start {
             Start::Simulation(start) => start,
             Start::Position(_) => {
                 let expected = self.data().qpos().len();
-                return Err(ReplayError::Start { field: "qpos", expected, got: 0 });
+                return Err(PlaybackError::Start { field: "qpos", expected, got: 0 });
             }
         };
         self.check_lengths(start)?;
@@ -69,7 +69,7 @@ impl Sim {
         })
     }
 
-    fn check_lengths(&self, start: &SimulationStart) -> Result<(), ReplayError> {
+    fn check_lengths(&self, start: &SimulationStart) -> Result<(), PlaybackError> {
         let data = self.data();
         let lengths = [
             ("qpos", data.qpos().len(), start.qpos.len()),
@@ -80,7 +80,7 @@ impl Sim {
         ];
         match lengths.into_iter().find(|(_, expected, got)| expected != got) {
             None => Ok(()),
-            Some((field, expected, got)) => Err(ReplayError::Start { field, expected, got }),
+            Some((field, expected, got)) => Err(PlaybackError::Start { field, expected, got }),
         }
     }
 }

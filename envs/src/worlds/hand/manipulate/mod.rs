@@ -4,21 +4,20 @@ mod task;
 
 use serde_json::{Map, Value, json};
 
-use super::{Hand, VIEWPOINT};
+use super::Hand;
 use crate::draws::Draws;
-use crate::env::Observation;
+use crate::env::{Observation, Reward};
 use crate::error::EnvError;
-use crate::metric::distance;
 use crate::mujoco::sim::Joint;
 use crate::mujoco::{Physics, Site, Snapshot};
-use crate::render::{GoalShape, Shape, SimulationScene};
-use crate::replay::{ReplayError, Start};
+use crate::playback::{PlaybackError, RecordedWorld, Start};
+use crate::render::{GoalShape, Scene};
 use crate::rotation::{Quat, normalized, parallel_rotations, product};
 use crate::world::World;
 use crate::writer::Writer;
 
-pub(crate) use task::{BLOCK, BLOCK_ROTATE_PARALLEL, BLOCK_ROTATE_Z, EGG, EGG_ROTATE, PEN, PEN_ROTATE, Task};
-use task::{ROTATION_THRESHOLD, TargetPosition, rotation_distance};
+pub(super) use task::{BLOCK, BLOCK_ROTATE_PARALLEL, BLOCK_ROTATE_Z, EGG, EGG_ROTATE, PEN, PEN_ROTATE, Task};
+use task::{ROTATION_THRESHOLD, TargetPosition};
 
 /// Standard deviation of the object's start position, metres.
 const SPREAD: f64 = 0.005;
@@ -26,19 +25,21 @@ const SPREAD: f64 = 0.005;
 const SETTLING: usize = 10;
 /// An object whose centre lies no higher than this has fallen off the palm, metres.
 const FLOOR: f64 = 0.04;
-/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries for ever.
+/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries for
+/// ever.
 const ATTEMPTS: usize = 100;
 /// Goals with a position lie this far from where the object settled, metres.
 const TARGET_RANGE: [(f64, f64); 3] = [(-0.04, 0.04), (-0.06, 0.02), (0.0, 0.06)];
 
-/// Where the position is no part of the goal, pictures show the goal's rotation this far beside the hand, metres.
+/// Where the position is no part of the goal, pictures show the goal's rotation this far beside the hand,
+/// metres.
 const GHOST_ASIDE: f64 = 0.15;
 
 /// An object's pose: position 3 (metres), quaternion 4.
 type Pose = [f64; 7];
 
 /// The world of a HandManipulate environment. Positions are metres, angles radians, velocities per second.
-pub(crate) struct Manipulate {
+pub(super) struct Manipulate {
     id: &'static str,
     task: &'static Task,
     hand: Hand,
@@ -55,7 +56,7 @@ pub(crate) struct Manipulate {
 }
 
 impl Manipulate {
-    pub(crate) fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
+    pub(super) fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
         let mut hand = Hand::new(id, task.file, physics)?;
         let object = hand.sim.joint("object:joint")?;
         let ghost = hand.sim.joint("target:joint")?;
@@ -74,10 +75,11 @@ impl Manipulate {
         std::array::from_fn(|i| self.hand.sim.data().qpos()[first + i])
     }
 
-    /// Back to the initial state. The reference does this without `mj_resetData`, so that controls and the solver's
-    /// warm start stay from the episode before. Here nothing stays. It makes no difference that could be seen: MuJoCo
-    /// starts its solver from the better of warm start and unconstrained acceleration, and what stays from another
-    /// state is never the better one (no bit differed in 750 resets of the reference with and without).
+    /// Back to the initial state. The reference does this without `mj_resetData`, so that controls and the
+    /// solver's warm start stay from the episode before. Here nothing stays. It makes no difference that
+    /// could be seen: MuJoCo starts its solver from the better of warm start and unconstrained acceleration,
+    /// and what stays from another state is never the better one (no bit differed in 750 resets of the
+    /// reference with and without).
     fn back_to_start(&mut self) {
         let sim = &mut self.hand.sim;
         sim.data_mut().reset();
@@ -85,18 +87,19 @@ impl Manipulate {
         sim.forward();
     }
 
-    fn draw_start<D: Draws>(&self, draws: &mut D) -> Result<Pose, D::Error> {
+    fn draw_start(&self, draws: &mut Draws<'_>) -> Pose {
         let [x, y, z, quat @ ..] = self.pose();
         let quat = if self.task.turned_at_start {
-            product(quat, self.task.rotation.draw(&self.parallel, draws)?)
+            product(quat, self.task.rotation.draw(&self.parallel, draws))
         } else {
             quat
         };
-        let [dx, dy, dz] = draws.normal(SPREAD)?;
-        Ok(joined([x + dx, y + dy, z + dz], normalized(quat)))
+        let [dx, dy, dz] = draws.normal(SPREAD);
+        joined([x + dx, y + dy, z + dz], normalized(quat))
     }
 
-    /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the palm.
+    /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the
+    /// palm.
     fn settle(&mut self, pose: &Pose) -> Result<bool, EnvError> {
         let first = self.object.qpos;
         self.hand.sim.data_mut().qpos_mut()[first..first + 7].copy_from_slice(pose);
@@ -120,32 +123,27 @@ fn joined([x, y, z]: [f64; 3], [w, i, j, k]: Quat) -> Pose {
 
 impl World for Manipulate {
     /// A start where the object stays on the palm.
-    fn start<D: Draws, E>(&mut self, draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>,
-    {
+    fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError> {
         for _ in 0..ATTEMPTS {
             self.back_to_start();
-            let pose = self.draw_start(draws)?;
+            let pose = self.draw_start(draws);
             if self.settle(&pose)? {
                 self.remember_start();
                 return Ok(());
             }
         }
         let reason = format!("the object fell off the palm in {ATTEMPTS} starts in a row");
-        Err(EnvError::Unstable { env: self.id, reason }.into())
+        Err(EnvError::Unstable { env: self.id, reason })
     }
 
-    fn draw_goal<D: Draws>(&self, draws: &mut D, goal: &mut [f64]) -> Result<(), D::Error> {
+    fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
         let mut position = self.settled;
         if self.task.position == TargetPosition::Random {
-            let shift =
-                draws.uniform(TARGET_RANGE.map(|(low, _)| low), TARGET_RANGE.map(|(_, high)| high))?;
+            let shift = draws.uniform(TARGET_RANGE.map(|(low, _)| low), TARGET_RANGE.map(|(_, high)| high));
             position = std::array::from_fn(|i| position[i] + shift[i]);
         }
-        let quat = normalized(self.task.rotation.draw(&self.parallel, draws)?);
+        let quat = normalized(self.task.rotation.draw(&self.parallel, draws));
         goal.copy_from_slice(&joined(position, quat));
-        Ok(())
     }
 
     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError> {
@@ -163,31 +161,24 @@ impl World for Manipulate {
         observation.achieved.copy_from_slice(&pose);
     }
 
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        if self.success(achieved, goal) { 0.0 } else { -1.0 }
+    fn task(&self) -> &dyn Reward {
+        self.task
     }
 
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        let (position, quat) = split(achieved);
-        let (goal_position, goal_quat) = split(goal);
-        let near = self.task.position == TargetPosition::Ignore
-            || distance(position, goal_position) < self.task.distance_threshold;
-        near && rotation_distance(quat, goal_quat, self.task.any_turn_about_z) < ROTATION_THRESHOLD
-    }
-
-    fn shape(&self, goal: &[f64]) -> Shape<'_> {
+    fn scene(&self, goal: &[f64]) -> Option<Scene<'_>> {
         let mut pose: Pose = std::array::from_fn(|i| goal[i]);
         if self.task.position == TargetPosition::Ignore {
             pose[0] += GHOST_ASIDE;
         }
-        Shape::Simulation(SimulationScene {
-            sim: &self.hand.sim,
-            viewpoint: &VIEWPOINT,
-            hidden_sites: &[],
-            goal: GoalShape::Ghost { qpos: self.ghost.qpos, pose },
-        })
+        Some(self.hand.scene(&[], GoalShape::Ghost { qpos: self.ghost.qpos, pose }))
     }
 
+    fn recorded(&mut self) -> Option<&mut dyn RecordedWorld> {
+        Some(self)
+    }
+}
+
+impl RecordedWorld for Manipulate {
     fn constants(&self) -> Map<String, Value> {
         let own = json!({
             "reward_type": "sparse",
@@ -209,35 +200,26 @@ impl World for Manipulate {
         self.hand.sim.capture()
     }
 
-    fn restore(&mut self, state: &Start) -> Result<(), ReplayError> {
+    fn restore(&mut self, state: &Start) -> Result<(), PlaybackError> {
         self.hand.sim.begin(state)?;
         self.remember_start();
         Ok(())
     }
 }
 
-/// Position and quaternion of a pose.
-///
-/// # Panics
-/// If `pose` does not hold 7 numbers.
-fn split(pose: &[f64]) -> (&[f64], Quat) {
-    assert_eq!(pose.len(), 7, "a pose has 7 numbers");
-    (&pose[..3], [pose[3], pose[4], pose[5], pose[6]])
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Manipulate, Task};
+    use crate::draws::Draws;
     use crate::mujoco::{Physics, Snapshot};
     use crate::rng::{Purpose, stream};
     use crate::world::World;
 
-    /// Where the object comes to rest after an episode's worth of movement, if the state is restored `cleanly`
-    /// (`mj_resetData` first) or as the reference does.
+    /// Where the object comes to rest after an episode's worth of movement, if the state is restored
+    /// `cleanly` (`mj_resetData` first) or as the reference does.
     fn settled(id: &'static str, task: &'static Task, cleanly: bool) -> Snapshot {
         let mut world = Manipulate::new(id, task, Physics::Paper).unwrap();
-        let pose =
-            world.draw_start(&mut stream(3, Purpose::Environment)).unwrap_or_else(|never| match never {});
+        let pose = world.draw_start(&mut Draws::from(&mut stream(3, Purpose::Environment)));
         for step in 0..10 {
             world.advance(&[(f64::from(step) * 0.7).sin(); 20]).unwrap();
         }

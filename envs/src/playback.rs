@@ -1,4 +1,5 @@
-//! What an environment offers beyond [`GoalEnv`](crate::GoalEnv) so that recorded traces can be replayed on it.
+//! What an environment offers beyond [`GoalEnv`](crate::GoalEnv) so that recorded traces can be played back
+//! on it.
 
 use serde_json::{Map, Value};
 
@@ -31,9 +32,9 @@ pub struct SimulationStart {
     pub mocap_quat: Vec<[f64; 4]>,
 }
 
-/// Why a recorded start or reset cannot be replayed.
+/// Why a recorded start or reset cannot be played back.
 #[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
+pub enum PlaybackError {
     /// The environment itself failed.
     #[error(transparent)]
     Env(#[from] EnvError),
@@ -56,34 +57,52 @@ impl Start {
     /// The position of a point in the plane.
     ///
     /// # Errors
-    /// [`ReplayError::Start`] if it is the state of a simulation or not in the plane.
-    pub(crate) fn position(&self) -> Result<[f64; 2], ReplayError> {
+    /// [`PlaybackError::Start`] if it is the state of a simulation or not in the plane.
+    pub(crate) fn position(&self) -> Result<[f64; 2], PlaybackError> {
         let recorded: &[f64] = match self {
             Self::Position(position) => position,
             Self::Simulation(_) => &[],
         };
         let got = recorded.len();
-        recorded.try_into().map_err(|_| ReplayError::Start { field: "position", expected: 2, got })
+        recorded.try_into().map_err(|_| PlaybackError::Start { field: "position", expected: 2, got })
     }
 }
 
-/// Replaying recorded starts and resets.
-pub trait Replay {
+/// Plays recorded starts and resets back.
+pub trait Playback {
     /// The environment's constants under the names that recordings use.
-    fn constants(&self) -> Map<String, Value>;
+    fn constants(&mut self) -> Map<String, Value>;
 
     /// Puts the environment into a recorded state; the goal stays.
     ///
     /// # Errors
-    /// [`ReplayError::Start`], or the environment's own errors.
-    fn begin(&mut self, start: &Start) -> Result<(), ReplayError>;
+    /// [`PlaybackError::Start`], or the environment's own errors.
+    fn begin(&mut self, start: &Start) -> Result<(), PlaybackError>;
 
-    /// Resets as the reference did when the draws were recorded, with whatever solver state it kept.
+    /// Resets as the reference did when `draws` were recorded, with whatever solver state it kept. All of
+    /// them must be asked for.
     ///
     /// # Errors
-    /// [`ReplayError::Draws`], or the environment's own errors.
-    fn reset_recorded(&mut self, draws: &mut RecordedDraws<'_>) -> Result<(), ReplayError>;
+    /// [`PlaybackError::Draws`], or the environment's own errors.
+    fn reset_recorded(&mut self, draws: &mut RecordedDraws) -> Result<(), PlaybackError>;
 
-    /// The state now, from which [`Replay::begin`] goes on, but for the solver's warm start.
+    /// The state now, from which [`Playback::begin`] goes on, but for the solver's warm start.
+    fn capture(&mut self) -> Start;
+}
+
+/// What a [`World`](crate::World) with a recorded original offers, so that [`Env`](crate::Env) can be a
+/// [`Playback`].
+pub trait RecordedWorld {
+    /// The world's constants under the names that recordings use. The horizon `T` is added by the
+    /// environment.
+    fn constants(&self) -> Map<String, Value>;
+
+    /// The state now.
     fn capture(&self) -> Start;
+
+    /// Goes to a captured or recorded state, which becomes the current start.
+    ///
+    /// # Errors
+    /// [`PlaybackError::Start`], or the world's own errors.
+    fn restore(&mut self, state: &Start) -> Result<(), PlaybackError>;
 }

@@ -41,9 +41,9 @@ impl Parts {
     }
 }
 
-/// Grip position 3, [object position 3, object − grip 3,] finger positions 2, [object Euler angles 3, object velocity
-/// − grip velocity 3, object angular velocity 3,] grip velocity 3, finger velocities 2; the parts in brackets only
-/// with an object. Achieved goal: position of the object, or of the gripper without one.
+/// Grip position 3, [object position 3, object − grip 3,] finger positions 2, [object Euler angles 3, object
+/// velocity − grip velocity 3, object angular velocity 3,] grip velocity 3, finger velocities 2; the parts in
+/// brackets only with an object. Achieved goal: position of the object, or of the gripper without one.
 pub(super) fn write_observation(sim: &Sim, parts: &Parts, observation: &mut Observation) {
     let (data, dt) = (sim.data(), sim.dt());
     let grip = parts.grip.position(data);

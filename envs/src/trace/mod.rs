@@ -1,8 +1,8 @@
 //! Replay of traces recorded from the original environments.
 //!
-//! A trace file is one gzipped JSON document per environment: `meta` (constants), `resets` (the random draws of a
-//! reset in order, and what they lead to), `traces` (a start state, a goal, actions, and what they lead to).
-//! [`verify_file`] repeats all of it on this crate's environments and measures the difference.
+//! A trace file is one gzipped JSON document per environment: `meta` (constants), `resets` (the random draws
+//! of a reset in order, and what they lead to), `traces` (a start state, a goal, actions, and what they lead
+//! to). [`verify_file`] repeats all of it on this crate's environments and measures the difference.
 
 mod compare;
 mod error;
@@ -20,17 +20,24 @@ const EXTENSION: &str = ".json.gz";
 
 /// Replays one trace file.
 ///
+/// ```
+/// let recording = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/MazeA.json.gz");
+/// let report = envs::trace::verify_file(recording.as_ref())?;
+/// assert!(report.passed() && report.deviations.observation < 1e-9);
+/// # Ok::<(), envs::trace::TraceError>(())
+/// ```
+///
 /// # Errors
-/// [`TraceError`] if the file is damaged or does not fit the environment. Differing numbers are no error: they stand
-/// in the report.
+/// [`TraceError`] if the file is damaged or does not fit the environment. Differing numbers are no error:
+/// they stand in the report.
 pub fn verify_file(path: &Path) -> Result<FileReport, TraceError> {
     format::read(path)
         .and_then(|recording| replay::replay(path, &recording))
         .map_err(|problem| at(path, problem))
 }
 
-/// Replays every trace file in `folder` and the folders below it, in the order of their names. One damaged file does
-/// not keep the others from being verified.
+/// Replays every trace file in `folder` and the folders below it, in the order of their names. One damaged
+/// file does not keep the others from being verified.
 ///
 /// # Errors
 /// [`Problem::Read`] if a folder cannot be read, [`Problem::NoFiles`] if there is no trace file.

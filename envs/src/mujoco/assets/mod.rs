@@ -14,7 +14,8 @@ use crate::error::EnvError;
 
 /// MuJoCo's `mjDSBL_NATIVECCD` flag: collide convex shapes with libccd instead of MuJoCo's own algorithm.
 pub(crate) const DISABLE_NATIVE_CCD: i32 = 1 << 17;
-/// What the reference writes over the first seven numbers of every weld: no offset, identity turned to the end.
+/// What the reference writes over the first seven numbers of every weld: no offset, identity turned to the
+/// end.
 const WELD: [f64; 7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Which collision detection MuJoCo uses.
@@ -61,12 +62,14 @@ fn model_in(folder: &Path, file: &str, physics: Physics) -> Result<Arc<MjModel>,
 }
 
 fn load(path: &Path, physics: Physics) -> Result<MjModel, EnvError> {
-    let broken = |reason: String| EnvError::Asset { path: path.to_owned(), reason };
+    let broken =
+        |reason: &str, source| EnvError::Asset { path: path.to_owned(), reason: reason.into(), source };
     // MjModel::from_xml panics on what C cannot be told.
     if path.to_str().is_none_or(|text| text.contains('\0')) {
-        return Err(broken("MuJoCo needs a path in UTF-8".into()));
+        return Err(broken("MuJoCo needs a path in UTF-8", None));
     }
-    let mut model = MjModel::from_xml(path).map_err(|error| broken(error.to_string()))?;
+    let mut model =
+        MjModel::from_xml(path).map_err(|error| broken("MuJoCo refuses it", Some(error.into())))?;
     if physics == Physics::Paper {
         model.opt_mut().disableflags |= DISABLE_NATIVE_CCD;
     }

@@ -2,7 +2,7 @@
 
 pub(crate) mod assets;
 mod library;
-mod replay;
+mod playback;
 pub(crate) mod sim;
 mod site;
 

@@ -1,8 +1,9 @@
-//! The Fetch arm: reach, push, slide, pick and place (Plappert et al. 2018, "Multi-Goal Reinforcement Learning").
+//! The Fetch arm: reach, push, slide, pick and place (Plappert et al. 2018, "Multi-Goal Reinforcement
+//! Learning").
 //!
-//! Follows gymnasium-robotics 1.4.2's `-v4` environments. The arm is moved by a mocap body that its gripper is welded
-//! to; an action moves the mocap body. Lengths are metres, angles radians; velocities in observations are per
-//! environment step (0.04 s), as in the reference.
+//! Follows gymnasium-robotics 1.4.2's `-v4` environments. The arm is moved by a mocap body that its gripper
+//! is welded to; an action moves the mocap body. Lengths are metres, angles radians; velocities in
+//! observations are per environment step (0.04 s), as in the reference.
 
 mod observe;
 mod task;
@@ -13,17 +14,50 @@ use mujoco_rs::wrappers::mj_model::{MjModel, MjtObj};
 use serde_json::{Map, Value, json};
 
 use crate::draws::Draws;
-use crate::env::Observation;
+use crate::env::{GoalEnv, Observation, Reward, Spec};
 use crate::error::EnvError;
-use crate::metric::{distance, sparse_reward};
+use crate::metric::{WithinDistance, distance};
 use crate::mujoco::{Physics, Sim, Snapshot};
-use crate::render::{GoalShape, Shape, SimulationScene, Sphere, Viewpoint};
-use crate::replay::{ReplayError, Start};
-use crate::world::World;
+use crate::playback::{PlaybackError, RecordedWorld, Start};
+use crate::registry::{Constructor, EnvOptions, Environment, PaperRow, Verification};
+use crate::render::{GoalShape, Scene, SimulationScene, Sphere, Viewpoint};
+use crate::world::{Env, World};
 
+use super::ROBOTICS;
 use observe::{Parts, write_observation};
-use task::WELD_TURN;
-pub(crate) use task::{PICK_AND_PLACE, PUSH, REACH, SLIDE, Task};
+use task::{PICK_AND_PLACE, PUSH, REACH, SLIDE, Task, WELD_TURN};
+
+/// The four tasks; the number is S.
+#[rustfmt::skip]
+pub(super) static ROWS: &[Environment] = &[
+    row("FetchReach", 10, |spec, options| fetch(spec, options, &REACH), "Move the gripper to a place in the air"),
+    row("FetchPush", 25, |spec, options| fetch(spec, options, &PUSH), "Push a block to a place on the table"),
+    row("FetchSlide", 25, |spec, options| fetch(spec, options, &SLIDE), "Hit a puck so that it slides to a place out of reach"),
+    row("FetchPickAndPlace", 25, |spec, options| fetch(spec, options, &PICK_AND_PLACE), "Carry a block to a place on or above the table"),
+];
+
+const fn row(id: &'static str, state: usize, constructor: Constructor, title: &'static str) -> Environment {
+    let spec = Spec { id, family: "fetch", state, goal: 3, action: 4, horizon: 50, defaults: ROBOTICS };
+    let paper = PaperRow {
+        action: 3,
+        note: "the environment takes 4 numbers; the last moves the fingers, in FetchPickAndPlace only",
+    };
+    Environment {
+        paper: Some(paper),
+        verification: Verification::EXACT,
+        ..Environment::new(
+            spec,
+            title,
+            "Plappert et al., Multi-Goal Reinforcement Learning, 2018",
+            constructor,
+        )
+    }
+}
+
+fn fetch(spec: Spec, options: &EnvOptions, task: &'static Task) -> Result<Box<dyn GoalEnv>, EnvError> {
+    let fetch = Fetch::new(spec.id, task, options.physics())?;
+    Ok(Box::new(Env::new(spec, fetch)))
+}
 
 /// Distance within which a goal counts as reached.
 const THRESHOLD: f64 = 0.05;
@@ -39,7 +73,7 @@ const VIEWPOINT: Viewpoint =
 const TARGET: (&str, f64, [f32; 4]) = ("target0", 0.02, [1.0, 0.0, 0.0, 1.0]);
 
 /// The world of a Fetch environment.
-pub(crate) struct Fetch {
+struct Fetch {
     task: &'static Task,
     sim: Sim,
     parts: Parts,
@@ -59,8 +93,8 @@ struct Settled {
 }
 
 impl Settled {
-    /// Simulates the set-up, or gives what an earlier simulation of it came to: a student that is evaluated on twenty instances
-    /// would otherwise wait for seconds at every start of a run.
+    /// Simulates the set-up, or gives what an earlier simulation of it came to: a student that is evaluated
+    /// on twenty instances would otherwise wait for seconds at every start of a run.
     fn of(sim: &mut Sim, task: &'static Task, parts: &Parts) -> Result<Arc<Self>, EnvError> {
         type Known = Mutex<Vec<(Arc<MjModel>, &'static Task, Arc<Settled>)>>;
         static KNOWN: Known = Mutex::new(Vec::new());
@@ -87,7 +121,7 @@ impl Settled {
 }
 
 impl Fetch {
-    pub(crate) fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
+    fn new(id: &'static str, task: &'static Task, physics: Physics) -> Result<Self, EnvError> {
         let mut sim = Sim::new(id, task.file, physics)?;
         let parts = Parts::find(&sim, task)?;
         let settled = Settled::of(&mut sim, task, &parts)?;
@@ -108,8 +142,9 @@ impl Fetch {
         self.sim.restore(&self.settled.initial);
     }
 
-    /// Moves the mocap body: gripper position + 0.05·a for the first three numbers of the action, and the reference's
-    /// (unnormalised) turn. Where the fingers are free, the fourth number shifts their position targets.
+    /// Moves the mocap body: gripper position + 0.05·a for the first three numbers of the action, and the
+    /// reference's (unnormalised) turn. Where the fingers are free, the fourth number shifts their position
+    /// targets.
     fn act(&mut self, action: &[f64]) {
         let (fingers, gripper) = (self.parts.fingers, self.gripper);
         let position = self.sim.data().xpos()[gripper];
@@ -127,8 +162,8 @@ impl Fetch {
         }
     }
 
-    /// Closes blocked fingers, which leaves their velocity alone. Free fingers get no `mj_forward` either, so that
-    /// site positions lag one substep behind, as in the reference.
+    /// Closes blocked fingers, which leaves their velocity alone. Free fingers get no `mj_forward` either, so
+    /// that site positions lag one substep behind, as in the reference.
     fn hold_fingers(&mut self) {
         if !self.task.fingers_blocked {
             return;
@@ -141,47 +176,43 @@ impl Fetch {
 }
 
 /// A point at gripper + U(±range)², drawn again while it is too close to the gripper.
-fn draw_object<D: Draws>(grip: [f64; 2], range: f64, draws: &mut D) -> Result<[f64; 2], D::Error> {
+fn draw_object(grip: [f64; 2], range: f64, draws: &mut Draws<'_>) -> [f64; 2] {
     loop {
-        let shift = draws.uniform([-range; 2], [range; 2])?;
+        let shift = draws.uniform([-range; 2], [range; 2]);
         let position = [grip[0] + shift[0], grip[1] + shift[1]];
         if distance(&position, &grip) >= CLEARANCE {
-            return Ok(position);
+            return position;
         }
     }
 }
 
 impl World for Fetch {
     /// Only the object's position is drawn; there is no settling.
-    fn start<D: Draws, E>(&mut self, draws: &mut D) -> Result<(), E>
-    where
-        E: From<EnvError> + From<D::Error>,
-    {
+    fn start(&mut self, draws: &mut Draws<'_>) -> Result<(), EnvError> {
         self.back_to_start();
         if let Some(object) = &self.parts.object {
             let position =
-                draw_object([self.settled.grip[0], self.settled.grip[1]], self.task.object_range(), draws)?;
+                draw_object([self.settled.grip[0], self.settled.grip[1]], self.task.object_range(), draws);
             let first = object.joint.qpos;
             self.sim.data_mut().qpos_mut()[first..first + 2].copy_from_slice(&position);
         }
         self.sim.forward();
-        Ok(self.sim.check()?)
+        self.sim.check()
     }
 
-    /// Gripper position + U(±range)³ + offset; with an object at the object's height, in the air half of the time
-    /// for the tasks that lift.
-    fn draw_goal<D: Draws>(&self, draws: &mut D, goal: &mut [f64]) -> Result<(), D::Error> {
+    /// Gripper position + U(±range)³ + offset; with an object at the object's height, in the air half of the
+    /// time for the tasks that lift.
+    fn draw_goal(&self, draws: &mut Draws<'_>, goal: &mut [f64]) {
         let range = self.task.target_range;
-        let shift: [f64; 3] = draws.uniform([-range; 3], [range; 3])?;
+        let shift: [f64; 3] = draws.uniform([-range; 3], [range; 3]);
         let mut place = [0, 1, 2].map(|i| self.settled.grip[i] + shift[i] + self.task.target_offset[i]);
         if let Some(height) = self.settled.height {
             place[2] = height;
-            if self.task.target_in_the_air && draws.uniform([0.0], [1.0])?[0] < 0.5 {
-                place[2] += draws.uniform([0.0], [0.45])?[0];
+            if self.task.target_in_the_air && draws.uniform([0.0], [1.0])[0] < 0.5 {
+                place[2] += draws.uniform([0.0], [0.45])[0];
             }
         }
         goal.copy_from_slice(&place);
-        Ok(())
     }
 
     fn advance(&mut self, action: &[f64]) -> Result<(), EnvError> {
@@ -195,25 +226,27 @@ impl World for Fetch {
         write_observation(&self.sim, &self.parts, observation);
     }
 
-    fn reward(&self, achieved: &[f64], goal: &[f64]) -> f64 {
-        sparse_reward(distance(achieved, goal), THRESHOLD)
+    fn task(&self) -> &dyn Reward {
+        &WithinDistance(THRESHOLD)
     }
 
-    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
-        distance(achieved, goal) < THRESHOLD
-    }
-
-    fn shape(&self, goal: &[f64]) -> Shape<'_> {
+    fn scene(&self, goal: &[f64]) -> Option<Scene<'_>> {
         let (_, radius, rgba) = TARGET;
         let sphere = Sphere { centre: [goal[0], goal[1], goal[2]], radius, rgba };
-        Shape::Simulation(SimulationScene {
+        Some(Scene::Simulation(SimulationScene {
             sim: &self.sim,
             viewpoint: &VIEWPOINT,
             hidden_sites: &[TARGET.0],
             goal: GoalShape::Spheres(vec![sphere]),
-        })
+        }))
     }
 
+    fn recorded(&mut self) -> Option<&mut dyn RecordedWorld> {
+        Some(self)
+    }
+}
+
+impl RecordedWorld for Fetch {
     fn constants(&self) -> Map<String, Value> {
         let task = self.task;
         let own = json!({
@@ -241,7 +274,7 @@ impl World for Fetch {
         self.sim.capture()
     }
 
-    fn restore(&mut self, state: &Start) -> Result<(), ReplayError> {
+    fn restore(&mut self, state: &Start) -> Result<(), PlaybackError> {
         self.sim.begin(state)
     }
 }
@@ -251,7 +284,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::{Fetch, PICK_AND_PLACE, Parts, REACH, SLIDE, Settled, Task};
-    use crate::error::EnvError;
+    use crate::draws::Draws;
     use crate::mujoco::{Physics, Sim, Snapshot};
     use crate::rng::{Purpose, stream};
     use crate::world::World;
@@ -259,7 +292,7 @@ mod tests {
     /// The end of an episode.
     fn played(mut fetch: Fetch) -> Snapshot {
         let mut rng = stream(0, Purpose::Environment);
-        fetch.start::<_, EnvError>(&mut rng).unwrap();
+        fetch.start(&mut Draws::from(&mut rng)).unwrap();
         (0..20).for_each(|_| fetch.advance(&[0.5, -0.2, -0.9, 0.7]).unwrap());
         fetch.sim.snapshot()
     }

@@ -1,7 +1,7 @@
 //! Pictures of environments, without a screen.
 //!
-//! Mazes are drawn from above. Simulations are drawn by MuJoCo through EGL; on a machine without a graphics card Mesa's
-//! software renderer does (Debian's `libegl1` and `libgl1-mesa-dri`).
+//! What lies in the plane is drawn from above. Simulations are drawn by MuJoCo through EGL; on a machine
+//! without a graphics card Mesa's software renderer does (Debian's `libegl1` and `libgl1-mesa-dri`).
 
 mod image;
 mod plane;
@@ -11,8 +11,8 @@ mod simulation;
 use crate::env::GoalEnv;
 
 pub use image::Image;
-pub use scene::Scene;
-pub(crate) use scene::{GoalShape, PlaneScene, Shape, SimulationScene, Sphere, Viewpoint};
+pub(crate) use scene::{GoalShape, Sphere, Viewpoint};
+pub use scene::{PlaneScene, Rectangle, Scene, SimulationScene};
 
 use plane::PlaneRenderer;
 use simulation::SimulationRenderer;
@@ -45,22 +45,33 @@ pub enum RenderError {
         env: &'static str,
     },
     /// There is no OpenGL on this machine, or it does not work.
-    #[error(
-        "OpenGL cannot be used without a screen: {reason}; on Debian install libegl1 and libgl1-mesa-dri"
-    )]
+    #[error("OpenGL cannot be used without a screen (on Debian install libegl1 and libgl1-mesa-dri)")]
     NoGraphics {
         /// What EGL says.
-        reason: String,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// There is too little memory.
     #[error("there is too little memory for the picture")]
     Memory,
     /// The picture cannot be packed.
-    #[error("PNG: {0}")]
-    Png(String),
+    #[error("the picture cannot be packed as PNG")]
+    Png {
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
 }
 
 /// Draws one environment, again and again. It stays on the thread that made it.
+///
+/// ```
+/// use envs::render::Renderer;
+///
+/// let env = envs::make("MazeA", &envs::EnvOptions::default())?;
+/// let mut renderer = Renderer::new(env.as_ref(), 64, 64)?;
+/// let png = renderer.frame(env.as_ref())?.to_png()?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Renderer {
     kind: Kind,
 }
@@ -80,8 +91,8 @@ impl Renderer {
             return Err(RenderError::Size { width, height });
         }
         let kind = match scene_of(env)? {
-            Shape::Plane(_) => Kind::Plane(PlaneRenderer::new(width, height)),
-            Shape::Simulation(scene) => {
+            Scene::Plane(_) => Kind::Plane(PlaneRenderer::new(width, height)),
+            Scene::Simulation(scene) => {
                 Kind::Simulation(Box::new(SimulationRenderer::new(&scene, width, height)?))
             }
         };
@@ -101,8 +112,8 @@ impl Renderer {
     /// [`RenderError::OtherEnvironment`], [`RenderError::NotDrawable`], [`RenderError::Memory`].
     pub fn frame(&mut self, env: &dyn GoalEnv) -> Result<Image, RenderError> {
         match (&mut self.kind, scene_of(env)?) {
-            (Kind::Plane(renderer), Shape::Plane(scene)) => renderer.draw(&scene),
-            (Kind::Simulation(renderer), Shape::Simulation(scene)) if renderer.fits(&scene) => {
+            (Kind::Plane(renderer), Scene::Plane(scene)) => renderer.draw(&scene),
+            (Kind::Simulation(renderer), Scene::Simulation(scene)) if renderer.fits(&scene) => {
                 renderer.draw(&scene)
             }
             _ => Err(RenderError::OtherEnvironment { env: env.spec().id }),
@@ -110,6 +121,6 @@ impl Renderer {
     }
 }
 
-fn scene_of(env: &dyn GoalEnv) -> Result<Shape<'_>, RenderError> {
-    env.scene().map(|scene| scene.0).ok_or(RenderError::NotDrawable { env: env.spec().id })
+fn scene_of(env: &dyn GoalEnv) -> Result<Scene<'_>, RenderError> {
+    env.scene().ok_or(RenderError::NotDrawable { env: env.spec().id })
 }

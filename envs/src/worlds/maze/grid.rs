@@ -1,22 +1,24 @@
 //! The wall grids of the mazes and the map between cells and coordinates.
 
+use crate::render::Rectangle;
+
 /// Cells per side.
 const SIDE: usize = 13;
 
 /// Top to bottom: row index i goes with the first coordinate. `#` wall, `.` free, `S` the free start cell.
 #[derive(Debug)]
-pub(crate) struct Layout([&'static str; SIDE]);
+pub(super) struct Layout([&'static str; SIDE]);
 
 impl Layout {
     /// The rows, top to bottom.
-    pub(crate) fn rows(&self) -> &[&'static str] {
+    pub(super) const fn rows(&self) -> &[&'static str] {
         &self.0
     }
 }
 
 /// MazeA.
 #[rustfmt::skip]
-pub(crate) const A: Layout = Layout([
+pub(super) static A: Layout = Layout([
     "#############",
     "#S.#........#",
     "#..#........#",
@@ -34,7 +36,7 @@ pub(crate) const A: Layout = Layout([
 
 /// MazeB.
 #[rustfmt::skip]
-pub(crate) const B: Layout = Layout([
+pub(super) static B: Layout = Layout([
     "#############",
     "#..........S#",
     "#...........#",
@@ -52,7 +54,7 @@ pub(crate) const B: Layout = Layout([
 
 /// MazeC.
 #[rustfmt::skip]
-pub(crate) const C: Layout = Layout([
+pub(super) static C: Layout = Layout([
     "#############",
     "#...........#",
     "#...........#",
@@ -70,7 +72,7 @@ pub(crate) const C: Layout = Layout([
 
 /// A cell: `row` counts along the first coordinate, `column` along the second, both from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Cell {
+pub(super) struct Cell {
     /// i, along x₀.
     pub(super) row: usize,
     /// j, along x₁.
@@ -91,9 +93,8 @@ impl Cell {
     }
 
     /// Its lowest and highest coordinates, the latter excluded.
-    pub(crate) fn bounds(self) -> ([f64; 2], [f64; 2]) {
-        let corner = |offset: f64| [self.row, self.column].map(|index| edge(index as f64 + offset));
-        (corner(0.0), corner(1.0))
+    pub(super) fn bounds(self) -> Rectangle {
+        [0.0, 1.0].map(|offset| [self.row, self.column].map(|index| edge(index as f64 + offset)))
     }
 }
 
@@ -104,10 +105,10 @@ fn edge(index: f64) -> f64 {
 
 /// A parsed maze.
 #[derive(Clone, Debug)]
-pub(crate) struct Grid {
+pub(super) struct Grid {
     walls: [[bool; SIDE]; SIDE],
     start: Cell,
-    free: Vec<Cell>,
+    free: Vec<Rectangle>,
 }
 
 impl Grid {
@@ -118,7 +119,7 @@ impl Grid {
             for (column, mark) in line.bytes().enumerate().filter(|&(_, mark)| mark != b'#') {
                 let cell = Cell { row, column };
                 grid.walls[row][column] = false;
-                grid.free.push(cell);
+                grid.free.push(cell.bounds());
                 if mark == b'S' {
                     grid.start = cell;
                 }
@@ -140,8 +141,8 @@ impl Grid {
         self.start
     }
 
-    /// All cells that are no walls, the start cell included, row by row.
-    pub(crate) fn free(&self) -> &[Cell] {
+    /// Where all cells lie that are no walls, the start cell included, row by row.
+    pub(super) fn free(&self) -> &[Rectangle] {
         &self.free
     }
 }
@@ -165,8 +166,8 @@ mod tests {
             let grid = Grid::parse(layout);
             assert_eq!(grid.start(), start);
             assert_eq!(grid.free().len(), free);
-            let border = |cell: &Cell| [cell.row, cell.column].iter().any(|i| [0, 12].contains(i));
-            assert!(!grid.free().iter().any(border), "the border is wall");
+            let border = (0..13).flat_map(|i| [(0, i), (12, i), (i, 0), (i, 12)]);
+            assert!(border.into_iter().all(|(row, column)| grid.is_wall(Cell { row, column })));
         }
     }
 
@@ -175,7 +176,7 @@ mod tests {
         assert_eq!(Cell { row: 6, column: 6 }.centre(), [0.0, 0.0]);
         assert_eq!(Cell::containing([-1.0, 0.999]), Cell { row: 0, column: 12 });
         assert_eq!(Cell::containing([7.0, -7.0]), Cell { row: 12, column: 0 });
-        let (low, high) = Cell { row: 0, column: 12 }.bounds();
+        let [low, high] = Cell { row: 0, column: 12 }.bounds();
         assert_eq!((low[0], high[1]), (-1.0, 1.0));
     }
 }

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::draws::Draws;
+use crate::env::Reward;
+use crate::metric::distance;
 use crate::rotation::{Quat, angle_between, euler_to_quat, from_angle_and_axis, product, quat_to_euler};
 
 /// Angle within which a rotation counts as reached, radians.
@@ -49,20 +51,40 @@ pub(super) enum TargetRotation {
 
 impl TargetRotation {
     /// Draws a rotation.
-    pub(super) fn draw<D: Draws>(self, parallel: &[Quat], draws: &mut D) -> Result<Quat, D::Error> {
-        let [angle] = draws.uniform([-PI], [PI])?;
+    pub(super) fn draw(self, parallel: &[Quat], draws: &mut Draws<'_>) -> Quat {
+        let [angle] = draws.uniform([-PI], [PI]);
         let upright = from_angle_and_axis(angle, [0.0, 0.0, 1.0]);
         match self {
-            Self::Z => Ok(upright),
-            Self::Parallel => Ok(product(upright, parallel[draws.index(parallel.len())?])),
-            Self::Xyz => Ok(from_angle_and_axis(angle, draws.uniform([-1.0; 3], [1.0; 3])?)),
+            Self::Z => upright,
+            Self::Parallel => product(upright, parallel[draws.index(parallel.len())]),
+            Self::Xyz => from_angle_and_axis(angle, draws.uniform([-1.0; 3], [1.0; 3])),
         }
     }
 }
 
-/// Angle between two rotations, radians. With `any_turn_about_z` the achieved rotation first gets the goal's last
-/// Euler angle. This holds for hindsight goals too: the reference's batched reward overwrites another number there.
-pub(super) fn rotation_distance(achieved: Quat, goal: Quat, any_turn_about_z: bool) -> f64 {
+impl Reward for Task {
+    fn success(&self, achieved: &[f64], goal: &[f64]) -> bool {
+        let (position, quat) = split(achieved);
+        let (goal_position, goal_quat) = split(goal);
+        let near = self.position == TargetPosition::Ignore
+            || distance(position, goal_position) < self.distance_threshold;
+        near && rotation_distance(quat, goal_quat, self.any_turn_about_z) < ROTATION_THRESHOLD
+    }
+}
+
+/// Position and quaternion of a pose.
+///
+/// # Panics
+/// If `pose` does not hold 7 numbers.
+fn split(pose: &[f64]) -> (&[f64], Quat) {
+    assert_eq!(pose.len(), 7, "a pose has 7 numbers");
+    (&pose[..3], [pose[3], pose[4], pose[5], pose[6]])
+}
+
+/// Angle between two rotations, radians. With `any_turn_about_z` the achieved rotation first gets the goal's
+/// last Euler angle. This holds for hindsight goals too: the reference's batched reward overwrites another
+/// number there.
+fn rotation_distance(achieved: Quat, goal: Quat, any_turn_about_z: bool) -> f64 {
     if !any_turn_about_z {
         return angle_between(achieved, goal);
     }
