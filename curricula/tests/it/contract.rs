@@ -2,7 +2,10 @@
 //! way.
 
 use curricula::testing::{Class, contract, contract_with};
-use curricula::{CURRICULA, Entry};
+use curricula::{
+    CURRICULA, CurriculumError, Entry, Lesson, Method, Proposal, Setting, TeacherState, snapshot,
+};
+use serde::{Deserialize, Serialize};
 
 /// Configs besides the defaults.
 fn configs(entry: &Entry) -> &'static [&'static str] {
@@ -58,4 +61,60 @@ fn every_teacher_of_the_pool_shows_its_weights_and_every_number_is_defined_befor
         let numbers = class.teacher.summary().statistics;
         assert!(numbers.iter().all(|(_, value)| value.is_finite()), "{}: {numbers:?}", entry.id);
     }
+}
+
+/// Goals of the pool in turn, by a count that is left out of what is saved.
+struct Forgetful {
+    pool: usize,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+struct ForgetfulConfig {}
+
+struct ForgetfulState {
+    proposed: usize,
+}
+
+impl TeacherState for ForgetfulState {
+    const VERSION: u32 = 1;
+
+    fn write(&self) -> Result<Vec<u8>, CurriculumError> {
+        Ok(vec![0])
+    }
+
+    fn read(&mut self, bytes: &[u8]) -> Result<(), CurriculumError> {
+        if bytes == [0] { Ok(()) } else { Err(snapshot::refuse("not what was written")) }
+    }
+}
+
+impl Method for Forgetful {
+    type Config = ForgetfulConfig;
+    type State = ForgetfulState;
+    const ID: &'static str = "forgetful";
+    const TITLE: &'static str = "Forgetful";
+    const SOURCE: &'static str = "none";
+    const USES_POOL: bool = true;
+
+    fn build(_config: ForgetfulConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { pool: setting.pool.len() })
+    }
+
+    fn begin(&self, _setting: &Setting) -> Result<ForgetfulState, CurriculumError> {
+        Ok(ForgetfulState { proposed: 0 })
+    }
+
+    fn propose(
+        &self,
+        state: &mut ForgetfulState,
+        _lesson: &mut Lesson<'_>,
+    ) -> Result<Proposal, CurriculumError> {
+        state.proposed += 1;
+        Ok(Proposal::pool(state.proposed % self.pool))
+    }
+}
+
+#[test]
+#[should_panic(expected = "forgetful with \"\", saved after [1]")]
+fn a_state_that_writes_less_than_it_needs_does_not_keep_it() {
+    contract_with(&Entry::of::<Forgetful>(), "");
 }
