@@ -1,4 +1,4 @@
-//! What can go wrong with a student.
+//! What can go wrong with a student. An error says its own part alone; its cause is its source.
 
 use std::path::PathBuf;
 
@@ -58,12 +58,12 @@ pub enum AgentError {
         reason: String,
     },
     /// The log of the replay buffer cannot be written or read, or is damaged.
-    #[error("replay log {path}: {problem}")]
+    #[error("replay log {path}")]
     Log {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        problem: LogProblem,
+        source: LogProblem,
     },
     /// The device asked for is not usable here.
     #[error("device {device}: {reason}")]
