@@ -4,7 +4,8 @@
 //! worker processes; each [`run`] writes its own folder; `goalbench report` reads those folders and nothing
 //! else.
 //!
-//! A program of one's own with further curricula is three lines: see [`Registry`].
+//! A program of one's own with further curricula is three lines: see [`Registry`]. How to add a command-line
+//! flag stands in [`cli`].
 
 pub mod cli;
 pub mod config;

@@ -47,7 +47,7 @@ pub struct Costs {
 }
 
 /// A part of the costs.
-pub struct Cost {
+pub struct CostPart {
     /// Its key in JSON.
     pub name: &'static str,
     /// For people.
@@ -58,8 +58,8 @@ pub struct Cost {
 
 impl Costs {
     /// The parts in the order in which they are shown.
-    pub fn parts(&self) -> [Cost; 11] {
-        let part = |name, about, seconds| Cost { name, about, seconds };
+    pub fn parts(&self) -> [CostPart; 11] {
+        let part = |name, about, seconds| CostPart { name, about, seconds };
         [
             part("physics", "steps of the environment", self.physics),
             part("resets", "resets of the environment", self.resets),
@@ -182,7 +182,7 @@ impl RunProfile {
             let share = 100.0 * seconds / costs.total();
             let _ = writeln!(text, "{name:<16} {:>12.2} {share:>6.1} %  {about}", 1e6 * seconds);
         };
-        for Cost { name, about, seconds } in costs.parts() {
+        for CostPart { name, about, seconds } in costs.parts() {
             line(&name.replace('_', " "), seconds, about);
         }
         line("all", costs.total(), "µs per training step");

@@ -11,7 +11,7 @@ mod watch;
 
 use agents::Products;
 
-pub use costs::{Cost, Costs, Memory, RunProfile, Size};
+pub use costs::{CostPart, Costs, Memory, RunProfile, Size};
 
 use crate::Registry;
 use crate::error::HarnessError;

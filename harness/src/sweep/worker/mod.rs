@@ -29,7 +29,7 @@ use crate::run::folder::{self, Extent};
 use crate::run::lock::Lock;
 use crate::run::observer::Observer;
 use crate::run::train::{End, Trainer};
-use observers::{Recording, Telling};
+use observers::{EventObserver, RecordObserver};
 
 /// How long to wait for another worker that is about to end: longer than a cycle and a checkpoint take.
 const LOCK_PATIENCE: Duration = Duration::from_secs(20);
@@ -118,9 +118,10 @@ fn train(
     agents::prepare_thread();
     let (mut trainer, progress) = begin(registry, folder, manifest, config)?;
     let stop = stop_flag().map_err(HarnessError::system("listen for signals"))?;
-    let mut recording = Recording::open(folder, &manifest.hash, &progress, tensorboard, Arc::clone(&stop))
-        .map_err(unwritable())?;
-    let mut telling = Telling::new(stop);
+    let mut recording =
+        RecordObserver::open(folder, &manifest.hash, &progress, tensorboard, Arc::clone(&stop))
+            .map_err(unwritable())?;
+    let mut telling = EventObserver::new(stop);
     telling.tell(&Event::Step { step: trainer.step() }).map_err(unwritable())?;
     // What is told is recorded already.
     let mut observers: Vec<&mut dyn Observer> = vec![&mut recording, &mut telling];

@@ -17,7 +17,7 @@ use crate::sweep::event::Event;
 const STEP_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Records, and saves a checkpoint after every evaluation and before stopping.
-pub(super) struct Recording {
+pub(super) struct RecordObserver {
     folder: PathBuf,
     replay: PathBuf,
     hash: String,
@@ -25,7 +25,7 @@ pub(super) struct Recording {
     stop: Arc<AtomicBool>,
 }
 
-impl Recording {
+impl RecordObserver {
     /// Goes on after `progress` with the run with manifest hash `hash` in `folder`, until `stop` is set.
     pub(super) fn open(
         folder: &Path,
@@ -49,7 +49,7 @@ impl Recording {
     }
 }
 
-impl Observer for Recording {
+impl Observer for RecordObserver {
     fn spent(&mut self, stage: Stage, time: Duration) {
         self.recorder.spent(stage, time);
     }
@@ -63,7 +63,7 @@ impl Observer for Recording {
     }
 }
 
-impl Checkpointer for Recording {
+impl Checkpointer for RecordObserver {
     fn wish(&mut self, evaluated: bool) -> Wish {
         match (self.stop.load(Ordering::Relaxed), evaluated) {
             (true, _) => Wish::SaveAndStop,
@@ -84,12 +84,12 @@ impl Checkpointer for Recording {
 }
 
 /// Tells the parent. One that is gone has closed the pipe: then it is time to save and stop.
-pub(super) struct Telling {
+pub(super) struct EventObserver {
     last_step: Instant,
     stop: Arc<AtomicBool>,
 }
 
-impl Telling {
+impl EventObserver {
     pub(super) fn new(stop: Arc<AtomicBool>) -> Self {
         Self { last_step: Instant::now(), stop }
     }
@@ -105,7 +105,7 @@ impl Telling {
     }
 }
 
-impl Observer for Telling {
+impl Observer for EventObserver {
     fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
         self.tell(&Event::Evaluated { step: record.step, success_rate: record.success_rate })
     }
