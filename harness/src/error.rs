@@ -117,7 +117,7 @@ pub enum HarnessError {
         /// The options.
         option: &'static str,
         /// What is wrong with them.
-        source: GateError,
+        source: Box<GateError>,
     },
     /// The report could not be made.
     #[error(transparent)]
@@ -173,13 +173,12 @@ impl HarnessError {
 
 impl From<GateError> for HarnessError {
     fn from(source: GateError) -> Self {
-        match source {
-            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => {
-                Self::GateOption { option: "--seeds", source }
-            }
-            GateError::Draws { .. } => Self::GateOption { option: "--now, --before, --draws", source },
-            error => Self::Gate(error),
-        }
+        let option = match source {
+            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
+            GateError::Draws { .. } => "--now, --before, --draws",
+            error => return Self::Gate(error),
+        };
+        Self::GateOption { option, source: Box::new(source) }
     }
 }
 
