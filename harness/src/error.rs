@@ -122,7 +122,7 @@ pub enum HarnessError {
         /// The options.
         option: &'static str,
         /// What is wrong with them.
-        source: GateError,
+        source: Box<GateError>,
     },
     /// The system refused something that is not about a file.
     #[error("cannot {action}")]
@@ -208,13 +208,12 @@ impl HarnessError {
 
 impl From<GateError> for HarnessError {
     fn from(source: GateError) -> Self {
-        match source {
-            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => {
-                Self::GateOption { option: "--seeds", source }
-            }
-            GateError::Draws { .. } => Self::GateOption { option: "--now, --before, --draws", source },
-            error => Self::Gate(error),
-        }
+        let option = match source {
+            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
+            GateError::Draws { .. } => "--now, --before, --draws",
+            error => return Self::Gate(error),
+        };
+        Self::GateOption { option, source: Box::new(source) }
     }
 }
 

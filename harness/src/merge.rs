@@ -30,12 +30,12 @@ struct Candidate {
 
 /// Copies the runs of all `sources` into the new folder `out`, which appears complete or not at all.
 ///
-/// A run that several sources have must have the same config; its records must agree as far as both go, and the
-/// one that has come further is taken.
+/// A run that several sources have must have the same config; its records must agree as far as both go, and
+/// the one that has come further is taken.
 ///
 /// # Errors
-/// [`HarnessError::Conflict`] naming every conflicting run, [`HarnessError::Argument`] if `out` exists, and whatever
-/// keeps files from being read or written.
+/// [`HarnessError::Conflict`] naming every conflicting run, [`HarnessError::Argument`] if `out` exists, and
+/// whatever keeps files from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     if out.exists() {
         let reason = format!("{} exists already; name a new folder", out.display());

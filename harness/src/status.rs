@@ -22,7 +22,8 @@ pub enum Activity {
     Running,
     /// It has begun and nobody is on it.
     Stopped,
-    /// Its workers went away too often, or the last one did, and no evaluation was recorded since; it can go on.
+    /// Its workers went away too often, or the last one did, and no evaluation was recorded since; it can go
+    /// on.
     Crashed,
     /// Its files are not what they were.
     Damaged,

@@ -1,8 +1,8 @@
 //! TensorBoard event files, written on request beside a run's records.
 //!
-//! The file holds nothing that the records do not, but for when the run began: it is written anew from them whenever a
-//! worker begins, then grows with every evaluation. Its format is TensorFlow's: framed records ([TFRecord]), each an
-//! `Event` message of `event.proto`.
+//! The file holds nothing that the records do not, but for when the run began: it is written anew from them
+//! whenever a worker begins, then grows with every evaluation. Its format is TensorFlow's: framed records
+//! ([TFRecord]), each an `Event` message of `event.proto`.
 //!
 //! [TFRecord]: https://www.tensorflow.org/tutorials/load_data/tfrecord
 
@@ -22,8 +22,8 @@ use crate::run::folder::new_file;
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// When the run began, in seconds since 1970, pauses between attempts left out. As the first file of the run says; that
-    /// takes the run to be going on while it is written.
+    /// When the run began, in seconds since 1970, pauses between attempts left out. As the first file of the
+    /// run says; that takes the run to be going on while it is written.
     begun: f64,
 }
 
@@ -158,7 +158,8 @@ fn framed(bytes: &[u8]) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// The bytes of TensorBoard 2.21's own `RecordWriter` for `Event(wall_time=1, file_version="brain.Event:2")`.
+    /// The bytes of TensorBoard 2.21's own `RecordWriter` for `Event(wall_time=1,
+    /// file_version="brain.Event:2")`.
     #[test]
     fn the_first_event_has_tensorboards_bytes() {
         let expected = "1800000000000000a37f4b2209000000000000f03f1a0d627261696e2e4576656e743a3286bf577a";

@@ -92,7 +92,8 @@ impl Home {
     }
 }
 
-/// Makes every episode after the untrained evaluation a success, as if the baseline's student had learned all.
+/// Makes every episode after the untrained evaluation a success, as if the baseline's student had learned
+/// all.
 fn perfect(baseline: &mut Value) {
     let curves = &mut baseline["cells"]["Point/her-iid/default"]["curves"];
     for curve in curves.as_object_mut().expect("curves by seed").values_mut() {

@@ -1,8 +1,8 @@
 //! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
-//! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties them to it: a
-//! [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its versions and processor. A
-//! [sweep](crate::sweep) carries out the plan or finds it carried out.
+//! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties
+//! them to it: a [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its
+//! versions and processor. A [sweep](crate::sweep) carries out the plan or finds it carried out.
 //!
 //! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
 
@@ -34,7 +34,8 @@ pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
     plan.runs.iter().map(expected).collect()
 }
 
-/// What is recorded of a protocol besides its curves: the options `source` that name it, its TOML, and this machine.
+/// What is recorded of a protocol besides its curves: the options `source` that name it, its TOML, and this
+/// machine.
 ///
 /// # Errors
 /// [`HarnessError::Protocol`] if the protocol is no TOML or has no JSON form.

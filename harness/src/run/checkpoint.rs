@@ -1,8 +1,9 @@
-//! Checkpoints: everything that a run is between two cycles, so that a killed run goes on as if nothing had happened.
+//! Checkpoints: everything that a run is between two cycles, so that a killed run goes on as if nothing had
+//! happened.
 //!
-//! `checkpoint.bin` holds the state, sealed with magic, version and CRC-32; the replay buffer's episodes lie in the
-//! log beside it, which only grows. The file is replaced atomically after the log is written, so whenever the process
-//! dies the file that is there fits the log.
+//! `checkpoint.bin` holds the state, sealed with magic, version and CRC-32; the replay buffer's episodes lie
+//! in the log beside it, which only grows. The file is replaced atomically after the log is written, so
+//! whenever the process dies the file that is there fits the log.
 
 use std::fs;
 use std::io::{ErrorKind, Write};

@@ -13,8 +13,8 @@ use crate::Registry;
 use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
 
-/// What a run's folder holds of its student, read at one moment. The folder is only read, and a run in progress may go on: its
-/// checkpoint is replaced whole.
+/// What a run's folder holds of its student, read at one moment. The folder is only read, and a run in
+/// progress may go on: its checkpoint is replaced whole.
 pub struct Policy {
     folder: PathBuf,
     manifest: Manifest,
@@ -26,8 +26,8 @@ impl Policy {
     /// Reads the run in `folder`.
     ///
     /// # Errors
-    /// [`HarnessError`] if there is no run, none that has come to a checkpoint, a damaged one, or one with an environment or
-    /// curriculum that `registry` lacks.
+    /// [`HarnessError`] if there is no run, none that has come to a checkpoint, a damaged one, or one with an
+    /// environment or curriculum that `registry` lacks.
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;

@@ -186,11 +186,12 @@ impl Baseline {
         json::to_lines(self).expect("a baseline is plain data")
     }
 
-    /// Its cells with their complete configs, in the order of `runs`, which are some or all of those recorded.
+    /// Its cells with their complete configs, in the order of `runs`, which are some or all of those
+    /// recorded.
     ///
     /// # Errors
-    /// [`GateError::OtherConfig`] with every field in which the configs of `runs` differ from those recorded, and how to
-    /// renew the baseline at `path`.
+    /// [`GateError::OtherConfig`] with every field in which the configs of `runs` differ from those recorded,
+    /// and how to renew the baseline at `path`.
     pub fn cells_of(&self, runs: &[ExpectedRun], path: &Path) -> Result<Vec<Cell>, GateError> {
         let mut cells: Vec<Cell> = Vec::new();
         let mut differences = Vec::new();

@@ -25,15 +25,16 @@ pub struct RunSummary {
     pub records: String,
     /// Successful episodes of every evaluation, `[evaluations]`.
     pub successes: Vec<u64>,
-    /// Mean over evaluations of the teacher's effective number of goals, to 4 digits; absent where it has none.
+    /// Mean over evaluations of the teacher's effective number of goals, to 4 digits; absent where it has
+    /// none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_goals: Option<f64>,
-    /// Mean over evaluations of the effective number of goals picked since the one before, to 4 digits; absent for
-    /// teachers that do not choose from a pool.
+    /// Mean over evaluations of the effective number of goals picked since the one before, to 4 digits;
+    /// absent for teachers that do not choose from a pool.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_picks: Option<f64>,
-    /// Mean over evaluations of the picked goals' mean place in the teacher's set, in [0, 1], to 4 digits; absent for
-    /// teachers that rank no set.
+    /// Mean over evaluations of the picked goals' mean place in the teacher's set, in [0, 1], to 4 digits;
+    /// absent for teachers that rank no set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pick_rank: Option<f64>,
 }
@@ -152,7 +153,11 @@ pub fn read(results: &Path, runs: &[ExpectedRun]) -> Result<FoundRuns, GateError
                 if cell.steps.is_empty() {
                     cell.steps = steps;
                 } else if cell.steps != steps {
-                    return Err(GateError::Steps { run: run.key.clone(), steps, others: cell.steps.clone() });
+                    return Err(GateError::Steps {
+                        run: Box::new(run.key.clone()),
+                        steps,
+                        others: cell.steps.clone(),
+                    });
                 }
             }
             Outcome::Failed { step, reason } => {

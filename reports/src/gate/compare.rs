@@ -1,13 +1,15 @@
 //! Comparing runs with those of a baseline.
 //!
-//! Curves that are equal byte for byte need no statistics. Otherwise every group of cells is tested by every metric. The
-//! unit is a seed: its score is the mean over the group's cells, which share the seed's initial weights and evaluation
-//! episodes and are therefore not independent of each other. Scores of the seeds now are tested against those of the
-//! baseline by exact permutation, one-sided for success, and p-values are corrected for all tests by Holm's method. A
-//! group fell where p is at most alpha and the fall at least the smallest effect that matters.
+//! Curves that are equal byte for byte need no statistics. Otherwise every group of cells is tested by every
+//! metric. The unit is a seed: its score is the mean over the group's cells, which share the seed's initial
+//! weights and evaluation episodes and are therefore not independent of each other. Scores of the seeds now
+//! are tested against those of the baseline by exact permutation, one-sided for success, and p-values are
+//! corrected for all tests by Holm's method. A group fell where p is at most alpha and the fall at least the
+//! smallest effect that matters.
 //!
-//! So of all checks of unchanged code with other seeds at most a share of alpha fails, whatever the distribution of scores:
-//! a permutation test is exact, Holm's correction allows for any dependence, and the smallest effect only lets more pass.
+//! So of all checks of unchanged code with other seeds at most a share of alpha fails, whatever the
+//! distribution of scores: a permutation test is exact, Holm's correction allows for any dependence, and the
+//! smallest effect only lets more pass.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +25,8 @@ use crate::stats::{self, Resampling};
 pub struct Settings {
     /// Highest share of checks of unchanged code that may fail, in (0, 1): corrected p-values up to it count.
     pub alpha: f64,
-    /// Smallest fall of a success rate that matters, and smallest share by which effective goals must move, in [0, 1].
+    /// Smallest fall of a success rate that matters, and smallest share by which effective goals must move,
+    /// in [0, 1].
     pub smallest_effect: f64,
     /// Evaluations at the end of a run that its final success is averaged over, at least 1.
     pub window: usize,
@@ -62,7 +65,8 @@ pub struct Test {
     pub now: f64,
     /// [`Metric::change`] from one to the other.
     pub change: f64,
-    /// Bootstrap interval of `now - before` over seeds; for groups that fell or moved only, `null` for a single seed.
+    /// Bootstrap interval of `now - before` over seeds; for groups that fell or moved only, `null` for a
+    /// single seed.
     pub interval: Option<(f64, f64)>,
     /// Exact p-value: one-sided for success, two-sided for effective goals.
     pub p: f64,

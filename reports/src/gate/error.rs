@@ -26,7 +26,7 @@ pub enum GateError {
     #[error("{run}: evaluated at steps {steps:?}, other seeds at {others:?}")]
     Steps {
         /// Which run.
-        run: RunKey,
+        run: Box<RunKey>,
         /// Its steps, `[evaluations]`.
         steps: Vec<u64>,
         /// Those of the seeds before it.

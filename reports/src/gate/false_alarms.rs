@@ -97,13 +97,13 @@ mod tests {
         let settings = Settings { alpha: 0.05, smallest_effect: 0.0, window: 1 };
         let none = simulate(&cells((0..12).map(|_| 5)), simulation, settings).expect("enough seeds");
         assert_eq!(none.failed, 0);
-        // Half of the runs fail, half succeed, as where learning takes off early or late: no test may alarm too
-        // often.
+        // Half of the runs fail, half succeed, as where learning takes off early or late: no test may alarm
+        // too often.
         let some =
             simulate(&cells((0..12).map(|i| 10 * (i % 2))), simulation, settings).expect("enough seeds");
         assert!(some.rate() <= 0.05, "{some:?}");
-        // Eleven different runs: the lowest three of eleven are drawn in 1 of 165 checks, the next two sets count as
-        // well.
+        // Eleven different runs: the lowest three of eleven are drawn in 1 of 165 checks, the next two sets
+        // count as well.
         let ranks =
             simulate(&cells(0..=10), Simulation { before: 8, ..simulation }, settings).expect("enough seeds");
         assert!(ranks.failed > 0 && ranks.interval.0 <= 0.05, "{ranks:?}");

@@ -1,7 +1,7 @@
 //! What is tested: single cells, and all cells of an environment, of a curriculum, of everything.
 //!
-//! A fault of the student shows in every cell a little. Averaged over a row or column of cells it stands out from the
-//! noise of few seeds, where no single cell could tell it.
+//! A fault of the student shows in every cell a little. Averaged over a row or column of cells it stands out
+//! from the noise of few seeds, where no single cell could tell it.
 
 use std::collections::BTreeMap;
 

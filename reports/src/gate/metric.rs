@@ -14,14 +14,14 @@ pub enum Metric {
     Area,
     /// Final success: how well it did in the end. Worse where lower.
     FinalSuccess,
-    /// Mean over evaluations of the teacher's effective number of goals, exp(entropy): how widely it spread them. Neither
-    /// more nor fewer is better; a change says that the teacher is another one.
+    /// Mean over evaluations of the teacher's effective number of goals, exp(entropy): how widely it spread
+    /// them. Neither more nor fewer is better; a change says that the teacher is another one.
     EffectiveGoals,
-    /// The same of the goals that it really picked from the pool between two evaluations: a teacher that does not do as its
-    /// weights say is another one, too.
+    /// The same of the goals that it really picked from the pool between two evaluations: a teacher that does
+    /// not do as its weights say is another one, too.
     EffectivePicks,
-    /// Mean over evaluations of the picked goals' mean place in the set that the teacher ranks, 0 for the first to 1 for
-    /// the last: whether all of the set has its turns. Neither end is better.
+    /// Mean over evaluations of the picked goals' mean place in the set that the teacher ranks, 0 for the
+    /// first to 1 for the last: whether all of the set has its turns. Neither end is better.
     PickRank,
 }
 
@@ -57,8 +57,8 @@ impl Metric {
         }
     }
 
-    /// By how much `now` differs from `before`: success rates as they are, what tells of teachers as a share of
-    /// `before`.
+    /// By how much `now` differs from `before`: success rates as they are, what tells of teachers as a share
+    /// of `before`.
     pub fn change(self, before: f64, now: f64) -> f64 {
         if self.is_success() { now - before } else { now / before - 1.0 }
     }

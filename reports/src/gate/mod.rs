@@ -1,14 +1,16 @@
 //! The regression gate: did a change make a method learn worse?
 //!
 //! ```text
-//! results folder --cells::read--> cells ---------------------------------+
-//! baseline file --Baseline::read--> Baseline --Baseline::cells_of--> cells --compare--> CheckResult --output--> files
+//! results folder --cells::read-----------------------> cells now ------+
+//! baseline file  --Baseline::read--> Baseline::cells_of --> cells before --compare--> CheckResult
+//! CheckResult --output--> text, Markdown, JSON, JUnit, figure
 //! ```
 //!
-//! [`cells`] reads the curves of runs, [`baseline`] keeps them in a small JSON file. [`compare()`] sets those of a check
-//! against them: equal curves, byte for byte, or else a test of every [`group`] of cells by every [`metric`].
-//! [`false_alarms`] counts how often unchanged code would fail. Who carries the runs out is no matter here: the page
-//! `harness/docs/regression.md` says how the gate is used and what it was seen to catch.
+//! [`cells`] reads the curves of runs, [`baseline`] keeps them in a small JSON file. [`compare()`] sets those
+//! of a check against them: equal curves, byte for byte, or else a test of every [`group`] of cells by every
+//! [`metric`]. [`false_alarms`] counts how often unchanged code would fail. Who carries the runs out is no
+//! matter here: the page `harness/docs/regression.md` says how the gate is used and what it was seen to
+//! catch.
 
 pub mod baseline;
 pub mod cells;

@@ -73,17 +73,18 @@ pub struct Teaching {
     pub successes: Vec<bool>,
     /// For pool teachers the probability of every pool goal now, `[N]`, in single precision.
     pub weights: Option<Vec<f32>>,
-    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None` in
-    /// files older than the field.
+    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None`
+    /// in files older than the field.
     #[serde(default)]
     pub picks: Option<Vec<Option<u32>>>,
-    /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own unit and
-    /// in single precision; `null` for a goal without one. `None` for teachers that score no goals, and in files
-    /// older than the field.
+    /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own
+    /// unit and in single precision; `null` for a goal without one. `None` for teachers that score no goals,
+    /// and in files older than the field.
     #[serde(default)]
     pub scores: Option<Vec<Option<f32>>>,
-    /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the first;
-    /// `null` for a goal without one. `None` for teachers that rank no goals, and in files older than the field.
+    /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the
+    /// first; `null` for a goal without one. `None` for teachers that rank no goals, and in files older than
+    /// the field.
     #[serde(default)]
     pub ranks: Option<Vec<Option<u32>>>,
 }
@@ -100,7 +101,8 @@ pub struct Timing {
     pub wall_s: f64,
     /// Seconds of it spent in evaluations.
     pub evaluation_s: f64,
-    /// Seconds of it spent in the teacher: proposing, observing and learning; `None` in files older than the field.
+    /// Seconds of it spent in the teacher: proposing, observing and learning; `None` in files older than the
+    /// field.
     #[serde(default)]
     pub teacher_s: Option<f64>,
     /// Seconds of it spent in the student's gradient steps; `None` in files older than the field.

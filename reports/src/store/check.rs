@@ -169,7 +169,8 @@ impl OfEvaluation for Teaching {
     }
 }
 
-/// What is to be said of a run that has ended: that it failed, and that its last evaluation lies behind its end.
+/// What is to be said of a run that has ended: that it failed, and that its last evaluation lies behind its
+/// end.
 pub(super) fn outcome(outcome: &Outcome, last_step: Option<u64>) -> Vec<Fault> {
     let (Outcome::Finished { step: end } | Outcome::Failed { step: end, .. }) = *outcome;
     let after = last_step.filter(|&step| step > end).map(|step| Fault::AfterEnd { step, end });
@@ -201,7 +202,8 @@ pub(super) fn configs(runs: &[Run]) -> Vec<Problem> {
     problems
 }
 
-/// JSON pointer (RFC 6901) to the first place where `a` and `b` differ; fields of objects in the order of `a`.
+/// JSON pointer (RFC 6901) to the first place where `a` and `b` differ; fields of objects in the order of
+/// `a`.
 fn first_difference(a: &Value, b: &Value) -> Option<String> {
     let escaped = |name: &str| name.replace('~', "~0").replace('/', "~1");
     match (a, b) {

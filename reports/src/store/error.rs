@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::schema::RunKey;
 
-/// A file that cannot be used, for readers that need all of it. What failed below is the error's source and not part of its
-/// text.
+/// A file that cannot be used, for readers that need all of it. What failed below is the error's source and
+/// not part of its text.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {

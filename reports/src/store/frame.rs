@@ -9,8 +9,9 @@ use crate::error::ReportError;
 use crate::schema::Record;
 
 impl Store {
-    /// One row per evaluation, ordered by run and step. Columns: the fields of [`Record`] in their order, then
-    /// `teacher.NAME` for every number any teacher recorded, by name; null where a teacher has no such number.
+    /// One row per evaluation, ordered by run and step. Columns: the fields of [`Record`] in their order,
+    /// then `teacher.NAME` for every number any teacher recorded, by name; null where a teacher has no such
+    /// number.
     ///
     /// # Errors
     /// [`ReportError::Frame`] if polars cannot hold the data.

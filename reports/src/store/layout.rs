@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE    for every FILE of the table FILES
-//! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt, tables/*.tex, figures/*.{svg, png}}
+//! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt,
+//!                 tables/*.tex, figures/*.{svg, png}}
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -12,10 +13,8 @@ use crate::schema::RunKey;
 /// A file, or a folder of files, in the folder of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunFile {
-    /// Its name.
+    /// Its name: one of the constants of this module, which say what it holds.
     pub name: &'static str,
-    /// What it holds.
-    pub holds: &'static str,
     /// Whether it comes along when results of several machines are merged.
     pub merged: bool,
     /// Until when it is there.
@@ -58,22 +57,21 @@ pub const EVENTS: &str = "events.out.tfevents.goalbench";
 /// The file that whoever works on the folder holds a lock on.
 pub const LOCK: &str = ".lock";
 
-/// Everything that lies in a run's folder. The outcome comes before the checksums: whoever removes both in this order never
-/// leaves an ended run without them.
-#[rustfmt::skip]
+/// Everything that lies in a run's folder. The outcome comes before the checksums: whoever removes both in
+/// this order never leaves an ended run without them.
 pub static FILES: &[RunFile] = &[
-    RunFile { name: MANIFEST, holds: "what the run is", merged: true, lives: Lives::Always },
-    RunFile { name: RECORDS, holds: "evaluations", merged: true, lives: Lives::Always },
-    RunFile { name: TEACHING, holds: "what the teacher did", merged: true, lives: Lives::Always },
-    RunFile { name: TIMING, holds: "time taken", merged: true, lives: Lives::Always },
-    RunFile { name: OUTCOME, holds: "how the run ended", merged: true, lives: Lives::UntilReopened },
-    RunFile { name: CHECKSUMS, holds: "checksums of evaluations and teaching", merged: true, lives: Lives::UntilReopened },
-    RunFile { name: CRASHES, holds: "workers that went away", merged: true, lives: Lives::Always },
-    RunFile { name: WORKER_LOG, holds: "what workers said", merged: true, lives: Lives::Always },
-    RunFile { name: CHECKPOINT, holds: "the state to go on from", merged: true, lives: Lives::Always },
-    RunFile { name: EVENTS, holds: "the evaluations for TensorBoard", merged: true, lives: Lives::Always },
-    RunFile { name: REPLAY, holds: "experience of the student", merged: true, lives: Lives::UntilFinished },
-    RunFile { name: LOCK, holds: "the lock of whoever works here", merged: false, lives: Lives::Always },
+    RunFile { name: MANIFEST, merged: true, lives: Lives::Always },
+    RunFile { name: RECORDS, merged: true, lives: Lives::Always },
+    RunFile { name: TEACHING, merged: true, lives: Lives::Always },
+    RunFile { name: TIMING, merged: true, lives: Lives::Always },
+    RunFile { name: OUTCOME, merged: true, lives: Lives::UntilReopened },
+    RunFile { name: CHECKSUMS, merged: true, lives: Lives::UntilReopened },
+    RunFile { name: CRASHES, merged: true, lives: Lives::Always },
+    RunFile { name: WORKER_LOG, merged: true, lives: Lives::Always },
+    RunFile { name: CHECKPOINT, merged: true, lives: Lives::Always },
+    RunFile { name: EVENTS, merged: true, lives: Lives::Always },
+    RunFile { name: REPLAY, merged: true, lives: Lives::UntilFinished },
+    RunFile { name: LOCK, merged: false, lives: Lives::Always },
 ];
 
 /// Folders from `runs/` to a run: environment, curriculum, variant, seed.

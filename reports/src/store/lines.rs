@@ -18,7 +18,8 @@ pub(super) enum BadLine {
 /// Every line of `bytes` with its number, counted from 1.
 pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8]) -> impl Iterator<Item = (usize, Result<T, BadLine>)> {
     (1..).zip(bytes.split_inclusive(|&byte| byte == b'\n')).map(|(number, text)| {
-        // A writer appends the newline last: without it even a line that parses may be cut (`0.1` of `0.15}`).
+        // A writer appends the newline last: without it even a line that parses may be cut (`0.1` of
+        // `0.15}`).
         let value = match text.strip_suffix(b"\n") {
             Some(text) => serde_json::from_slice(text).map_err(BadLine::Json),
             None => Err(BadLine::Incomplete { bytes: text.len() }),

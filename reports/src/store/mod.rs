@@ -1,8 +1,9 @@
 //! Everything a results folder holds.
 //!
-//! [`Results`] finds the runs, [`RunFolder`] is the single way to a run's files, and [`layout`] has the table of those. A
-//! [`Store`] holds all that a report needs. Nothing is dropped in silence: each line, file or folder that cannot be used is
-//! named in [`Store::problems`]. Partial results, of runs in progress too, are read as far as they go.
+//! [`Results`] finds the runs, [`RunFolder`] is the single way to a run's files, and [`layout`] has the table
+//! of those. A [`Store`] holds all that a report needs. Nothing is dropped in silence: each line, file or
+//! folder that cannot be used is named in [`Store::problems`]. Partial results, of runs in progress too, are
+//! read as far as they go.
 
 mod check;
 pub mod digest;
@@ -65,8 +66,8 @@ impl Store {
     /// Reads all runs below `results/runs/`, in parallel; the answer does not depend on the order of reading.
     ///
     /// # Errors
-    /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder. Anything below that is
-    /// a [`Problem`].
+    /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder. Anything
+    /// below that is a [`Problem`].
     pub fn read(results: &Path) -> Result<Self, ReportError> {
         if !results.is_dir() {
             return Err(ReportError::NotFound { path: results.to_owned() });

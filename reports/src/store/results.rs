@@ -60,8 +60,8 @@ impl Results {
         (runs, problems)
     }
 
-    /// What lies where a run belongs, and what belongs nowhere, by path. Hidden files (of editors and file managers) are
-    /// passed over.
+    /// What lies where a run belongs, and what belongs nowhere, by path. Hidden files (of editors and file
+    /// managers) are passed over.
     fn walk(&self) -> impl Iterator<Item = Result<Place, StoreError>> {
         let runs = layout::runs_dir(&self.path);
         let entries =

@@ -41,16 +41,16 @@ impl JsonLine for Crash {
 
 /// The folder of one run. What lies in it is said by [`layout::FILES`].
 ///
-/// Its methods are strict: they give all of a file or say what is wrong with it. [`Store`](super::Store) reads leniently, as
-/// far as files are sound.
+/// Its methods are strict: they give all of a file or say what is wrong with it. [`Store`](super::Store)
+/// reads leniently, as far as files are sound.
 ///
 /// ```
 /// use reports::schema::RunKey;
 /// use reports::store::RunFolder;
 ///
 /// let results = tempfile::tempdir().expect("a temporary folder");
-/// let key = RunKey { environment: "MazeA".into(), curriculum: "teach".into(), variant: "default".into(), seed: 0 };
-/// let folder = RunFolder::of(results.path(), &key);
+/// let [environment, curriculum, variant] = ["MazeA", "teach", "default"].map(String::from);
+/// let folder = RunFolder::of(results.path(), &RunKey { environment, curriculum, variant, seed: 0 });
 /// std::fs::create_dir_all(folder.path()).expect("it can be created");
 /// assert_eq!(folder.manifest().expect("it can be read"), None, "nothing has begun");
 /// folder.note_crash(0, "killed by signal 9").expect("it can be written");
@@ -149,8 +149,8 @@ impl RunFolder {
             .collect()
     }
 
-    /// The last complete line of the file of `T`, for onlookers: a line that is being written does not count yet. `None` if
-    /// there is none, or it cannot be read.
+    /// The last complete line of the file of `T`, for onlookers: a line that is being written does not count
+    /// yet. `None` if there is none, or it cannot be read.
     pub fn last<T: JsonLine>(&self) -> Option<T> {
         let bytes = fs::read(self.file(T::FILE)).ok()?;
         let complete = &bytes[..bytes.iter().rposition(|&byte| byte == b'\n')?];

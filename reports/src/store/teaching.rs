@@ -1,5 +1,5 @@
-//! What teachers did. Read apart from everything else, and for one run at a time: it is large, and only heat maps
-//! need it. So a report reads, and checks, these files in mazes alone.
+//! What teachers did. Read apart from everything else, and for one run at a time: it is large, and only heat
+//! maps need it. So a report reads, and checks, these files in mazes alone.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use super::problem::Problem;
 use super::{Results, Run, RunFolder, check};
 use crate::schema::Teaching;
 
-/// What the teacher of a run did, by rising evaluation, and what is wrong with the file. Results of old versions have
-/// no such file: nothing, and no problem.
+/// What the teacher of a run did, by rising evaluation, and what is wrong with the file. Results of old
+/// versions have no such file: nothing, and no problem.
 pub fn teaching(results: &Path, run: &Run) -> (Vec<Teaching>, Vec<Problem>) {
     let folder = RunFolder::of(results, run.key());
     let results = Results::new(results);

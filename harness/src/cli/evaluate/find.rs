@@ -33,7 +33,8 @@ pub(super) struct Chosen {
 /// The runs that `paths` stand for.
 ///
 /// # Errors
-/// [`HarnessError`] if a path is neither a run nor a results folder, or a run given by itself has no policy or is damaged.
+/// [`HarnessError`] if a path is neither a run nor a results folder, or a run given by itself has no policy
+/// or is damaged.
 pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, HarnessError> {
     let mut chosen = Chosen { subjects: Vec::new(), left_out: Vec::new() };
     let mut seen = BTreeSet::new();

@@ -97,7 +97,8 @@ fn measure_all(
         .map_err(HarnessError::system("start a thread per run"))?;
     let bar = progress(subjects.len(), args.episodes);
     let measured = pool.install(|| {
-        // Runs take seconds to minutes, and those of one environment, which take equally long, follow one another.
+        // Runs take seconds to minutes, and those of one environment, which take equally long, follow one
+        // another.
         let each = subjects.par_iter().with_max_len(1);
         each.map(|subject| measure(registry, subject, args, &bar)).collect()
     });

@@ -61,7 +61,8 @@ pub(super) fn as_json(measured: &[Measured], seed: u64) -> String {
     measured.iter().map(line).collect()
 }
 
-/// A table of runs, and one of means over seeds where there are several; for each results folder if there are several.
+/// A table of runs, and one of means over seeds where there are several; for each results folder if there are
+/// several.
 pub(super) fn as_text(measured: &[Measured]) -> String {
     let sections: Vec<&[Measured]> = measured.chunk_by(|a, b| a.results == b.results).collect();
     let texts = sections.iter().map(|section| {

@@ -34,8 +34,9 @@ pub enum State {
 /// Looks at `folder` for the run that `wanted` describes; changes nothing.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of another version
-/// of the program; [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not what they were.
+/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
+/// another version of the program; [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not
+/// what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
@@ -91,8 +92,8 @@ pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, Ha
 /// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its files cannot
-/// be removed.
+/// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
+/// files cannot be removed.
 pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
     check_program(folder, &read_manifest(folder)?.0)?;
     Ok(RunFolder::new(folder).remove(Lives::UntilReopened)?)
@@ -120,8 +121,8 @@ pub fn create(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
         .map_err(HarnessError::io(folder, "write the manifest"))
 }
 
-/// A temporary file in `folder`, to be renamed into place; as readable as any other new file (the umask applies),
-/// because results folders are shared.
+/// A temporary file in `folder`, to be renamed into place; as readable as any other new file (the umask
+/// applies), because results folders are shared.
 ///
 /// # Errors
 /// If it cannot be created.

@@ -93,8 +93,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Goes on after `extent`; its default begins anew. Lines written after it are cut off: the run writes them again.
-    /// With `tensorboard`, or where there is one already, it keeps an event file, too.
+    /// Goes on after `extent`; its default begins anew. Lines written after it are cut off: the run writes
+    /// them again. With `tensorboard`, or where there is one already, it keeps an event file, too.
     ///
     /// # Errors
     /// If the files cannot be written, or are not those that `extent` was noted of.

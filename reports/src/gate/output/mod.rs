@@ -167,3 +167,65 @@ fn interval(test: &Test) -> String {
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gate::cells::Failure;
+    use crate::gate::compare::{Settings, compare};
+    use crate::gate::testing::cell;
+
+    /// A check in which all seeds of one of two curricula fell, and one run broke down, in words of trouble.
+    fn with_check(see: impl FnOnce(&Check<'_>)) {
+        let before = [cell("A", "x", &[8, 9, 10, 8, 9, 10]), cell("A", "y", &[5, 5, 5, 5, 5, 5])];
+        let now = [cell("A", "x", &[3, 2, 4]), cell("A", "y", &[5, 5, 5])];
+        let failure = Failure { run: "A/x/default/seed-1".into(), reason: "<not & finite>".into() };
+        let settings = Settings { alpha: 0.1, smallest_effect: 0.1, window: 1 };
+        let result = compare(&before, &now, vec![failure], settings);
+        let titles = [("y".to_owned(), "Why".to_owned())];
+        let notes = vec!["left out: B".to_owned()];
+        see(&Check { result: &result, before: &before, now: &now, exact: false, notes, titles: &titles });
+    }
+
+    #[test]
+    fn junit_counts_what_fell_and_escapes_what_runs_say() {
+        with_check(|check| {
+            let xml = junit(check);
+            let failed = check.result.failed().count() + 1;
+            assert!(
+                xml.contains(&format!("tests=\"7\" skipped=\"0\" errors=\"0\" failures=\"{failed}\"")),
+                "{xml}"
+            );
+            assert!(xml.contains("<failure message=\"&lt;not &amp; finite&gt;\"/>"), "{xml}");
+            assert!(xml.contains("<testcase name=\"final success\" classname=\"A/y/default\"/>"), "{xml}");
+        });
+    }
+
+    #[test]
+    fn every_form_says_what_fell() {
+        with_check(|check| {
+            let headline = format!(
+                "FAILED: 1 of 6 runs broke down, {} of 6 tests failed",
+                check.result.failed().count()
+            );
+            for form in [text(check), markdown(check), json(check).to_string()] {
+                assert!(form.contains(&headline) && form.contains("left out: B"), "{form}");
+            }
+            let json = json(check);
+            assert_eq!(json["tests"][0]["measure"], "area");
+            assert_eq!(
+                (&json["passed"], &json["failures"][0]["run"]),
+                (&false.into(), &"A/x/default/seed-1".into())
+            );
+        });
+    }
+
+    #[test]
+    fn known_curricula_come_first_in_the_figure() {
+        with_check(|check| {
+            let svg = figure(check).expect("drawn");
+            let place = |title: &str| svg.find(title).unwrap_or_else(|| panic!("{title} in {svg}"));
+            assert!(place("A, Why") < place("A, x"));
+        });
+    }
+}
