@@ -1,4 +1,4 @@
-//! The command line: a file or folder per command, one row each in [`Command`].
+//! The command line: a file or folder per command, one row each in `Command`.
 //!
 //! A command reads its flags, calls the library, prints to standard output, and says how it ended: an
 //! [`ExitCode`], or a [`HarnessError`], which is printed with its causes and makes the exit code 2.
