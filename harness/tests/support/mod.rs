@@ -56,9 +56,10 @@ pub(crate) fn example(name: &str) -> PathBuf {
 
 /// Runs the example program `name` with `args` and waits.
 pub(crate) fn run_example(name: &str, args: &[&str]) -> Output {
-    Command::new(example(name)).args(args).output().expect(
-        "`cargo test` builds examples; with --test alone, `cargo build --release --examples` first",
-    )
+    Command::new(example(name))
+        .args(args)
+        .output()
+        .expect("`cargo test` builds examples; with --test alone, `cargo build --release --examples` first")
 }
 
 /// Checks that the section of `page` under `heading` quotes lines of `example`, so that the page stays true
