@@ -131,8 +131,8 @@ pub enum DrawError {
 
 /// Recorded draws, handed out in order.
 ///
-/// From the first that does not fit what is asked for, numbers come from a seeded stream instead, so that a
-/// reset comes to its end; [`RecordedDraws::finish`] tells.
+/// After the first draw that does not fit what is asked for, numbers come from a seeded stream instead, so
+/// that the reset can still end; [`RecordedDraws::finish`] then reports the misfit.
 #[derive(Clone, Debug)]
 pub struct RecordedDraws {
     draws: Vec<Draw>,

@@ -37,7 +37,7 @@ pub struct Defaults {
 }
 
 impl Defaults {
-    /// Enough for a task that is learnt within seconds.
+    /// Enough for a task that is learned within seconds.
     pub const TOY: Self = Self { steps: 4_000, evaluate_every: 400, layers: 2 };
 }
 

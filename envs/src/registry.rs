@@ -143,6 +143,12 @@ pub fn environments() -> impl Iterator<Item = &'static Environment> + Clone {
 
 /// The row of the environment called `id`.
 ///
+/// ```
+/// let row = envs::find("MazeC")?;
+/// assert_eq!((row.spec.horizon, row.walls.map(<[_]>::len)), (50, Some(13)));
+/// # Ok::<(), envs::EnvError>(())
+/// ```
+///
 /// # Errors
 /// [`EnvError::Unknown`], with the ids there are.
 pub fn find(id: &str) -> Result<&'static Environment, EnvError> {

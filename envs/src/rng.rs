@@ -29,8 +29,8 @@ pub enum Purpose {
     Pool,
     /// The evaluation with this index: its start states and goals.
     Evaluation(u64),
-    /// Start states and goals on which trained policies are told apart, after all training; its seed belongs
-    /// to no run.
+    /// Start states and goals of the episodes that compare trained policies after training; its seed is
+    /// independent of the seeds of runs.
     FinalEvaluation,
 }
 
@@ -80,8 +80,8 @@ pub fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
 mod tests {
     use super::{Purpose, stream};
 
-    /// Records made before stand beside records made now only while every stream stays what it was. The keys'
-    /// first bytes, from their definition by another SHA-256 (Python's hashlib), for seed 3.
+    /// Old and new records can be compared only as long as no stream changes. These are the first bytes of
+    /// the keys for seed 3, computed from their definition with another SHA-256 (Python's hashlib).
     #[test]
     fn streams_stay_what_they_are_and_differ() {
         let keys = [

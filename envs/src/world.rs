@@ -205,7 +205,7 @@ impl<W: World> Playback for Env<W> {
 
     fn reset_recorded(&mut self, draws: &mut RecordedDraws) -> Result<(), PlaybackError> {
         let outcome = self.reset_with(&mut Draws::from(&mut *draws));
-        // What a reset makes of draws that are not its own means nothing.
+        // The outcome of a reset whose draws did not fit means nothing.
         draws.finish()?;
         Ok(outcome?)
     }

@@ -1,4 +1,4 @@
-//! The MuJoCo side that Fetch and Hand share: the library, the models, a simulation session.
+//! The MuJoCo side that Fetch and Hand share: the library, the models, the simulation.
 
 pub(crate) mod assets;
 mod library;

@@ -1,4 +1,4 @@
-//! A simulation session: one model, one state, stepped in units of an environment step.
+//! A simulation: one model, one state, stepped in units of an environment step.
 
 use std::sync::Arc;
 
@@ -15,7 +15,8 @@ pub(crate) const SUBSTEPS: usize = 20;
 /// Data of a shared model.
 pub(crate) type Data = MjData<Arc<MjModel>>;
 
-/// Warnings after which a state means nothing. MuJoCo resets itself on most of them: only the counter tells.
+/// Warnings after which a state means nothing. MuJoCo resets itself after most of them, so that only its
+/// warning counters show that something happened.
 const FATAL: [(MjtWarning, &str); 7] = [
     (MjtWarning::mjWARN_INERTIA, "the inertia matrix is nearly singular"),
     (MjtWarning::mjWARN_CONTACTFULL, "there are more contacts than memory for them"),

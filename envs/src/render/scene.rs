@@ -1,4 +1,4 @@
-//! What environments tell about how they look.
+//! What environments say about how they look.
 
 use crate::mujoco::Sim;
 
@@ -13,17 +13,17 @@ pub enum Scene<'a> {
 /// A rectangle in the plane: its lowest and its highest coordinates.
 pub type Rectangle = [[f64; 2]; 2];
 
-/// Something that moves on the square [-1, 1]², and where it shall come to. In pictures the first coordinate
-/// runs downwards and the second to the right, as the rows and columns of a matrix do.
+/// Something that moves on the square [-1, 1]², and its goal. In pictures the first coordinate runs downwards
+/// and the second to the right, like the rows and columns of a matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneScene<'a> {
     /// The parts without walls; nothing where all of the square is free.
     pub free: Option<&'a [Rectangle]>,
-    /// The joints of a body, from its fixed end to the one at `position`; empty for a mere point.
+    /// The joints of a body, from its fixed end to the one at `position`; empty for a single point.
     pub body: Vec<[f64; 2]>,
-    /// What shall come to the goal. The path that it takes is drawn.
+    /// The point that has to reach the goal. Its path is drawn.
     pub position: [f64; 2],
-    /// Where it shall come,
+    /// Where the point should be,
     pub goal: [f64; 2],
     /// within this distance.
     pub threshold: f64,

@@ -46,7 +46,7 @@ pub enum Problem {
     Environment(#[from] EnvError),
     /// The environment has no recorded original.
     #[error("{id} cannot be replayed")]
-    NotReplayable {
+    NotRecorded {
         /// The environment.
         id: &'static str,
     },
@@ -67,7 +67,7 @@ pub enum Problem {
     },
     /// The environment refused what was recorded.
     #[error("{place}")]
-    Replay {
+    Playback {
         /// Where.
         place: Place,
         /// Why.

@@ -1,4 +1,4 @@
-//! Replay of traces recorded from the original environments.
+//! Playback of traces recorded from the original environments.
 //!
 //! A trace file is one gzipped JSON document per environment: `meta` (constants), `resets` (the random draws
 //! of a reset in order, and what they lead to), `traces` (a start state, a goal, actions, and what they lead
@@ -7,7 +7,7 @@
 mod compare;
 mod error;
 mod format;
-mod replay;
+mod playback;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ const EXTENSION: &str = ".json.gz";
 /// they stand in the report.
 pub fn verify_file(path: &Path) -> Result<FileReport, TraceError> {
     format::read(path)
-        .and_then(|recording| replay::replay(path, &recording))
+        .and_then(|recording| playback::play_back(path, &recording))
         .map_err(|problem| at(path, problem))
 }
 

@@ -1,5 +1,4 @@
-//! The worlds, each with the rows of its environments. A new one is a file here, `mod` and a line in
-//! [`WORLDS`].
+//! The worlds, each with the rows of its environments. A new world is a file here and its rows in [`WORLDS`].
 
 mod fetch;
 mod hand;
@@ -13,6 +12,5 @@ use crate::registry::Environment;
 /// The rows of all worlds, in the order in which they are listed.
 pub(crate) static WORLDS: &[&[Environment]] = &[point::ROWS, maze::ROWS, fetch::ROWS, hand::ROWS];
 
-/// TEACH's training of its robotics tasks (section 5.2): a million steps. Deeper networks are for the hand
-/// alone.
+/// How TEACH trains its robotics tasks (section 5.2): for a million steps. Only the hand gets deeper networks.
 const ROBOTICS: Defaults = Defaults { steps: 1_000_000, evaluate_every: 10_000, layers: 2 };

@@ -1,5 +1,5 @@
-//! What Point and the mazes share: a point on the square [−1, 1]² that sees where it is and shall come near a
-//! goal.
+//! What Point and the mazes share: a point on the square [−1, 1]² that knows its position and has to come
+//! close to a goal.
 
 use serde_json::{Map, Value};
 
@@ -14,7 +14,7 @@ use crate::world::World;
 /// Distance within which a goal counts as reached.
 const THRESHOLD: f64 = 0.1;
 
-/// Where a point starts, where it shall go, and how it moves.
+/// Where a point starts, which goals it gets, and how it moves.
 pub(super) trait Ground: Send {
     /// Draws a start.
     fn start(&self, draws: &mut Draws<'_>) -> [f64; 2];
@@ -28,7 +28,7 @@ pub(super) trait Ground: Send {
     /// The parts without walls; nothing where all of the square is free.
     fn free(&self) -> Option<&[Rectangle]>;
 
-    /// Constants under the names that recordings use, beside the threshold.
+    /// Constants under the names that recordings use, apart from the threshold.
     fn constants(&self) -> Vec<(&'static str, Value)>;
 }
 

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::EnvError;
 
-/// Lines of `sha256sum` over gymnasium-robotics 1.4.2's `assets/`, without what no environment here uses.
+/// The output of `sha256sum` for the files of gymnasium-robotics 1.4.2's `assets/` that are used here.
 const MANIFEST: &str = include_str!("manifest.sha256");
 
 /// Checks all files below `folder` that the models of a `family` (`fetch` or `hand`) are made of.

@@ -49,7 +49,7 @@ fn model_in(folder: &Path, file: &str, physics: Physics) -> Result<Arc<MjModel>,
     static MODELS: Cache = Mutex::new(BTreeMap::new());
     library::prepare()?;
     let path = folder.join(file);
-    // A poisoned lock only means that another thread died: what it left is whole, models enter finished.
+    // A poisoned lock only means that another thread died. Models are inserted when they are complete.
     let mut models = MODELS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(model) = models.get(&(path.clone(), physics)) {
         return Ok(Arc::clone(model));
@@ -64,7 +64,7 @@ fn model_in(folder: &Path, file: &str, physics: Physics) -> Result<Arc<MjModel>,
 fn load(path: &Path, physics: Physics) -> Result<MjModel, EnvError> {
     let broken =
         |reason: &str, source| EnvError::Asset { path: path.to_owned(), reason: reason.into(), source };
-    // MjModel::from_xml panics on what C cannot be told.
+    // MjModel::from_xml panics on paths that cannot be passed to C.
     if path.to_str().is_none_or(|text| text.contains('\0')) {
         return Err(broken("MuJoCo needs a path in UTF-8", None));
     }

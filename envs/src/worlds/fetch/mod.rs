@@ -98,7 +98,7 @@ impl Settled {
     fn of(sim: &mut Sim, task: &'static Task, parts: &Parts) -> Result<Arc<Self>, EnvError> {
         type Known = Mutex<Vec<(Arc<MjModel>, &'static Task, Arc<Settled>)>>;
         static KNOWN: Known = Mutex::new(Vec::new());
-        // A poisoned lock only means that another thread died: what it left is whole.
+        // A poisoned lock only means that another thread died. Entries are inserted when they are complete.
         let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         let model = sim.shared_model();
         let same = |(of, by, _): &&(Arc<MjModel>, &'static Task, Arc<Self>)| {

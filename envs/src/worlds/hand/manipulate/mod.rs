@@ -25,8 +25,8 @@ const SPREAD: f64 = 0.005;
 const SETTLING: usize = 10;
 /// An object whose centre lies no higher than this has fallen off the palm, metres.
 const FLOOR: f64 = 0.04;
-/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries for
-/// ever.
+/// Starts that may be drawn until the object stays on the palm: it hardly ever falls. The reference tries
+/// without limit.
 const ATTEMPTS: usize = 100;
 /// Goals with a position lie this far from where the object settled, metres.
 const TARGET_RANGE: [(f64, f64); 3] = [(-0.04, 0.04), (-0.06, 0.02), (0.0, 0.06)];

@@ -11,8 +11,8 @@ use crate::mujoco::Physics;
 use crate::playback::{Playback, PlaybackError, Start};
 use crate::registry::{self, EnvOptions, Verification};
 
-/// Replays all that `recording` holds.
-pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, Box<Problem>> {
+/// Plays all that `recording` holds back.
+pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport, Box<Problem>> {
     let Recording { meta, resets, traces } = recording;
     if resets.is_empty() && traces.is_empty() {
         return Err(Problem::Empty.into());
@@ -22,16 +22,16 @@ pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, B
     let row = registry::find(meta.environment()).map_err(Problem::Environment)?;
     let env = row.make(&EnvOptions { native_ccd }).map_err(Problem::Environment)?;
     let tolerance = row.verification.tolerance(physics);
-    let mut session = Session { env, tolerance, comparison: Comparison::default() };
-    let ours = session.playback()?.constants();
-    let not_compared = session.comparison.constants(&meta.constants, &ours)?;
+    let mut verifier = Verifier { env, tolerance, comparison: Comparison::default() };
+    let ours = verifier.playback()?.constants();
+    let not_compared = verifier.comparison.constants(&meta.constants, &ours)?;
     for (index, reset) in resets.iter().enumerate() {
-        session.reset(&Place::Reset(index), reset)?;
+        verifier.reset(&Place::Reset(index), reset)?;
     }
     for (index, trace) in traces.iter().enumerate() {
-        session.trace(index, trace)?;
+        verifier.trace(index, trace)?;
     }
-    let Session { env, comparison, .. } = session;
+    let Verifier { env, comparison, .. } = verifier;
     Ok(FileReport {
         file: file.to_owned(),
         environment: env.spec().id,
@@ -48,7 +48,7 @@ pub(super) fn replay(file: &Path, recording: &Recording) -> Result<FileReport, B
     })
 }
 
-struct Session {
+struct Verifier {
     env: Box<dyn GoalEnv>,
     tolerance: f64,
     comparison: Comparison,
@@ -62,10 +62,10 @@ struct Shown<'r> {
     qvel: &'r [f64],
 }
 
-impl Session {
+impl Verifier {
     fn playback(&mut self) -> Result<&mut dyn Playback, Box<Problem>> {
         let id = self.env.spec().id;
-        Ok(self.env.playback().ok_or(Problem::NotReplayable { id })?)
+        Ok(self.env.playback().ok_or(Problem::NotRecorded { id })?)
     }
 
     fn reset(&mut self, place: &Place, reset: &Reset) -> Result<(), Box<Problem>> {
@@ -143,7 +143,7 @@ fn positions_and_velocities(state: &Start) -> (&[f64], &[f64]) {
 }
 
 fn refused(place: &Place, source: PlaybackError) -> Box<Problem> {
-    Problem::Replay { place: place.clone(), source }.into()
+    Problem::Playback { place: place.clone(), source }.into()
 }
 
 impl Trace {
