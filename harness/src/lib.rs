@@ -11,6 +11,7 @@ pub mod error;
 pub mod estimate;
 pub mod executor;
 pub mod merge;
+pub mod paper;
 pub mod profile;
 pub mod progress;
 pub mod protocol;

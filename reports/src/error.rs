@@ -36,7 +36,7 @@ pub enum ReportError {
     /// An option outside its range.
     #[error("option {option} is {value}; expected {accepted}")]
     Option {
-        /// Name of the field of [`Options`](crate::report::Options).
+        /// Name of the field of [`Options`](crate::ReportOptions).
         option: &'static str,
         /// The value given.
         value: String,

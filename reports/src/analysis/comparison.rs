@@ -12,14 +12,14 @@ pub const TARGET_POWER: f64 = 0.8;
 
 /// Which question a comparison belongs to. The p-values of each are corrected on their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// Methods against the first method of their environment, in the order of tables: TEACH where it was run.
+pub enum TestFamily {
+    /// Methods against the first method of their environment, in the order of tables.
     Methods,
     /// Variants of a method against its default in the same environment.
     Variants,
 }
 
-impl Family {
+impl TestFamily {
     /// In lower case.
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Family {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison<'a> {
     /// What it belongs to.
-    pub family: Family,
+    pub family: TestFamily,
     /// Which method.
     pub method: &'a GroupKey,
     /// What it is compared with, in the same environment.
@@ -88,7 +88,7 @@ pub fn comparisons<'a>(
             comparisons.push(compare(family, keys, &pair, window, resampling));
         }
     }
-    for family in [Family::Methods, Family::Variants] {
+    for family in [TestFamily::Methods, TestFamily::Variants] {
         let is_tested = |one: &&mut Comparison<'_>| one.family == family && one.welch.is_some();
         let tested: Vec<&mut Comparison<'_>> = comparisons.iter_mut().filter(is_tested).collect();
         let level = ALPHA / tested.len().max(1) as f64;
@@ -108,21 +108,21 @@ fn reference<'a, 'b>(
     groups: &'a [Group<'b>],
     compared: &[bool],
     index: usize,
-) -> Option<(Family, &'a Group<'b>)> {
+) -> Option<(TestFamily, &'a Group<'b>)> {
     let key = &groups[index].key;
     let here = |other: &Group<'_>| other.key.environment == key.environment;
     if compared[index] {
         let first = groups.iter().zip(compared).find(|(other, compared)| **compared && here(other))?.0;
-        return (first.key != *key).then_some((Family::Methods, first));
+        return (first.key != *key).then_some((TestFamily::Methods, first));
     }
     let default = |other: &&Group<'_>| {
         here(other) && other.key.curriculum == key.curriculum && other.key.variant == "default"
     };
-    Some((Family::Variants, groups.iter().find(default)?))
+    Some((TestFamily::Variants, groups.iter().find(default)?))
 }
 
 fn compare<'a>(
-    family: Family,
+    family: TestFamily,
     (method, reference): (&'a GroupKey, &'a GroupKey),
     pair: &Pair<'_>,
     window: usize,

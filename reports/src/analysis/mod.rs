@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod aggregate;
+pub mod catalogue;
 pub mod comparison;
 pub mod complete;
 pub mod cost;
@@ -9,11 +10,14 @@ pub mod curves;
 pub mod efficiency;
 pub mod finals;
 pub mod group;
+pub mod groups;
 pub mod heat;
 pub mod improvement;
 pub mod ledger;
 pub mod missing;
+pub mod options;
 pub mod readings;
 pub mod scores;
 pub mod summary;
 pub mod teaching;
+pub mod whole;

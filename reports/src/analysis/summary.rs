@@ -1,4 +1,4 @@
-//! One row of numbers per environment, curriculum and variant.
+//! The numbers of each environment, curriculum and variant.
 
 use crate::analysis::cost::Cost;
 use crate::analysis::curves::{Curve, DDOF, Point};
@@ -9,7 +9,7 @@ use crate::stats::{self, Resampling};
 
 /// What the tables say about one group. Success rates are shares in [0, 1].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct GroupSummary {
     /// Which group.
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
@@ -44,8 +44,8 @@ pub struct Row {
     pub cost: Cost,
 }
 
-impl Row {
-    /// The row of a group; final scores average the last `window` evaluations of a seed.
+impl GroupSummary {
+    /// The numbers of a group; final scores average the last `window` evaluations of a seed.
     pub fn of(group: &Group<'_>, window: usize, resampling: Resampling) -> Option<Self> {
         let runs = &group.runs;
         let finals = Finals::of(group, window).scores();

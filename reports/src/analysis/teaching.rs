@@ -7,13 +7,13 @@ use crate::stats;
 /// The number of distinct goals of the pool that were picked.
 pub const PICKED_GOALS: &str = "picked_goals";
 
-/// Numbers that teachers record by these names, in the order of [`Row::means`].
+/// Numbers that teachers record by these names, in the order of [`PickSummary::means`].
 pub static NUMBERS: [&str; 5] =
     [PICKED_GOALS, "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
 
 /// What the table says about one group.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct PickSummary {
     /// Which group.
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
@@ -22,8 +22,8 @@ pub struct Row {
     pub means: [Option<f64>; 5],
 }
 
-impl Row {
-    /// The row of a group.
+impl PickSummary {
+    /// The numbers of a group.
     pub fn of(group: &Group<'_>) -> Self {
         let mean = |name: &str| {
             let by_seed: Vec<f64> =
@@ -56,7 +56,7 @@ mod tests {
     fn means_by_hand() {
         let record = |(eval_index, value): (u64, Value)| Record {
             environment: "E".into(),
-            curriculum: "teach".into(),
+            curriculum: "nova".into(),
             variant: "default".into(),
             seed: 0,
             step: 1_000 * eval_index,

@@ -4,7 +4,6 @@
 //! [`Store::problems`]. Partial results, of runs in progress too, are read as far as they go.
 
 mod check;
-mod frame;
 pub mod layout;
 mod lines;
 pub mod problem;

@@ -3,27 +3,29 @@
 use reports::analysis::curves::{Curve, DDOF, Point, Progress};
 use reports::analysis::group::GroupKey;
 use reports::render::figure::{LearningPanel, learning};
-use reports::{methods, stats};
+use reports::{Catalogue, stats};
 
 use super::Check;
 use crate::error::HarnessError;
 use crate::regress::cells::Cell;
+use crate::{Registry, paper};
 
 /// An SVG with a panel per cell, the cells of a curriculum side by side.
 ///
 /// # Errors
 /// [`HarnessError::Report`] if drawing fails.
 pub fn figure(check: &Check<'_>) -> Result<String, HarnessError> {
+    let catalogue = paper::catalogue(&Registry::builtin());
     let mut cells: Vec<(&Cell, &Cell)> = check.before.iter().zip(check.now).collect();
     // Stable: environments stay in the protocol's order.
-    cells.sort_by(|(a, _), (b, _)| methods::order(&a.curriculum, &b.curriculum));
+    cells.sort_by(|(a, _), (b, _)| catalogue.method(&a.curriculum).cmp(&catalogue.method(&b.curriculum)));
     let pairs: Vec<(String, [Curve; 2])> = cells
         .into_iter()
         .map(|(before, now)| {
             let variant =
                 if now.variant == "default" { String::new() } else { format!(" ({})", now.variant) };
-            let title = format!("{}, {}{variant}", now.environment, methods::title(&now.curriculum));
-            (title, [curve(now, "now"), curve(before, "baseline")])
+            let title = format!("{}, {}{variant}", now.environment, catalogue.title(&now.curriculum));
+            (title, [curve(&catalogue, now, "now"), curve(&catalogue, before, "baseline")])
         })
         .collect();
     let panels: Vec<LearningPanel<'_>> = pairs
@@ -35,7 +37,7 @@ pub fn figure(check: &Check<'_>) -> Result<String, HarnessError> {
 }
 
 /// The mean curve of a cell, labelled as its `side`.
-fn curve(cell: &Cell, side: &str) -> Curve {
+fn curve(catalogue: &Catalogue, cell: &Cell, side: &str) -> Curve {
     let rates: Vec<Vec<f64>> = cell.curves.values().map(|curve| curve.rates(cell.episodes)).collect();
     let point = |(index, &step): (usize, &u64)| {
         let at: Vec<f64> = rates.iter().map(|rates| rates[index]).collect();
@@ -48,11 +50,7 @@ fn curve(cell: &Cell, side: &str) -> Curve {
         })
     };
     Curve {
-        key: GroupKey {
-            environment: cell.environment.clone(),
-            curriculum: cell.curriculum.clone(),
-            variant: side.to_owned(),
-        },
+        key: GroupKey::new(catalogue, &cell.environment, &cell.curriculum, side),
         points: cell.steps.iter().enumerate().filter_map(point).collect(),
         episodes: (cell.episodes, cell.episodes),
     }

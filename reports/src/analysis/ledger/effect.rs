@@ -1,6 +1,7 @@
 //! The difference between two ways to train, over environments, from runs paired by seed.
 
 use super::verdict::Interval;
+use crate::analysis::catalogue::Measure;
 use crate::analysis::complete::Pair;
 use crate::analysis::group;
 use crate::analysis::scores;
@@ -9,15 +10,6 @@ use crate::store::Run;
 
 /// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an environment.
 pub const FEWEST_PAIRS: usize = 5;
-
-/// What a run is judged by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
-    /// [`scores::final_score`].
-    Final,
-    /// [`scores::area_under_curve`].
-    Area,
-}
 
 /// A mean difference of success rates and what it rests on.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,10 +6,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, text};
+use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, PHASES};
-use crate::environment::MazeInfo;
 use crate::error::ReportError;
-use crate::methods;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -87,7 +86,7 @@ impl<'a> Sheet<'a> {
         let label_style = text::style(LABEL).pos(Pos::new(HPos::Left, VPos::Center));
         let mut labels = Vec::with_capacity(self.maps.len());
         for map in self.maps {
-            let label = format!("{}{}", methods::title(&map.key.curriculum), map.key.detail());
+            let label = map.key.name();
             labels.push(text::shorten(&label, &label_style, LABEL_WIDTH - GAP)?);
         }
         canvas::svg((PAGE_WIDTH, caption_top + page::caption_height(&caption)), |root| {

@@ -10,8 +10,6 @@ use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use looks::Look;
 
-use crate::methods;
-
 /// A panel of learning curves.
 #[derive(Clone, Debug)]
 pub struct LearningPanel<'a> {
@@ -123,7 +121,7 @@ fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label
         if panels == 1 && uneven {
             detail.push_str(&format!(", n = {}", caption::range(curve.seeds())));
         }
-        Label { title: methods::title(&curve.key.curriculum).to_owned(), detail }
+        Label { title: curve.key.curriculum.title.clone(), detail }
     };
     methods.iter().map(|curve| (label(curve), palette.look(&curve.key))).collect()
 }

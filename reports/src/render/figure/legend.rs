@@ -16,7 +16,7 @@ const SAMPLE_WIDTH: i32 = 90;
 const SAMPLE_GAP: i32 = 12;
 const COLUMN_GAP: i32 = 30;
 
-/// What an entry says: `TEACH (n=3)`.
+/// What an entry says: `NOVA (n=3)`.
 pub(super) struct Label {
     /// Name of the curriculum.
     pub(super) title: String,

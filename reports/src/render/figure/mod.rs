@@ -26,5 +26,6 @@ pub use forest::{aggregates, improvements};
 pub use heat::heat;
 pub use learning::{LearningPanel, ablation, by_environment, learning};
 pub use outline::outlined;
+pub use palette::FALLBACK;
 pub use profile::profiles;
 pub use raster::png;

@@ -91,8 +91,11 @@ mod tests {
     use super::*;
 
     fn table(rows: &[&str]) -> Table {
-        let rows = rows.iter().map(|&name| [name.to_owned(), "-0.50 ± 0.10".to_owned()]);
-        Table::new("What 50 % means.".into(), 1, ["Name", "Value"], rows)
+        Table {
+            caption: "What 50 % means.".into(),
+            columns: vec![("Name", Align::Text), ("Value", Align::Number)],
+            rows: rows.iter().map(|&name| vec![name.to_owned(), "-0.50 ± 0.10".to_owned()]).collect(),
+        }
     }
 
     #[test]

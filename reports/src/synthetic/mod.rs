@@ -2,6 +2,8 @@
 //!
 //! Their manifests say so (`config.synthetic`), so that they never pass for measured ones.
 
+mod catalogue;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -10,6 +12,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+
+pub use catalogue::catalogue;
 
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::error::ReportError;
@@ -43,12 +47,12 @@ pub struct Experiment {
 }
 
 impl Default for Experiment {
-    /// The size of one environment of a comparison: 1 environment, 6 curricula, 7 seeds, 100 evaluations.
+    /// The size of one environment of a comparison: 1 environment, the 6 methods of the made-up [`catalogue`()], 7 seeds,
+    /// 101 evaluations.
     fn default() -> Self {
-        let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         Self {
-            environments: owned(&["FetchReach"]),
-            curricula: crate::methods::METHODS.iter().map(|method| method.id.to_owned()).collect(),
+            environments: owned(&["ArmReach"]),
+            curricula: catalogue().methods().iter().map(|method| method.id.clone()).collect(),
             variants: owned(&["default"]),
             seeds: 7,
             evaluations: 101,
@@ -60,55 +64,32 @@ impl Default for Experiment {
     }
 }
 
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
 impl Experiment {
-    /// The size of the whole paper: 462 runs of 101 evaluations on 11 environments, 168 runs of ablations on mazes, and 98
-    /// of readings of the paper on two of them.
+    /// The size of the whole made-up paper: 462 runs of 101 evaluations on 11 environments, 168 runs of ablations in
+    /// rooms, and 98 of readings of the paper in two of them.
     pub fn paper() -> Vec<Self> {
-        let owned = |names: &[&str]| -> Vec<String> { names.iter().map(|&name| name.to_owned()).collect() };
-        let mazes = owned(&["MazeA", "MazeB", "MazeC"]);
-        let curricula = owned(&["teach", "vds", "procurl", "space", "her-iid", "her-iid-pool"]);
-        let robots = [
-            "FetchReach",
-            "FetchPush",
-            "FetchSlide",
-            "FetchPickAndPlace",
-            "HandReach",
-            "HandManipulateBlock",
-            "HandManipulateEgg",
-            "HandManipulatePen",
-        ];
-        let variants = [
-            "n=3",
-            "n=3,confidence=target-critic",
-            "n=5",
-            "n=20",
-            "delta=2",
-            "delta=5",
-            "delta=10",
-            "delta=50",
-        ];
+        let tasks = catalogue().paper.tasks;
+        let tasks = tasks.iter().filter_map(|ids| ids.first().cloned());
+        let (rooms, others): (Vec<String>, Vec<String>) = tasks.partition(|id| id.starts_with("Room"));
+        let two = rooms[..2].to_vec();
+        let windows = ["window=3", "window=3,confidence=target-critic", "window=5", "window=20"];
+        let interplays = ["interplay=2", "interplay=5", "interplay=10", "interplay=50"];
         let readings =
             ["selection=argmax", "states=replay", "selection=argmax,goals=pool", "states=replay,goals=pool"];
-        let main = Self { curricula, ..Self::default() };
-        let in_mazes = Self { environments: mazes, interval: 4_000, teaching: true, ..main.clone() };
+        let main = Self::default();
+        let in_rooms = Self { environments: rooms, interval: 4_000, teaching: true, ..main.clone() };
+        let of_nova = Self { curricula: owned(&["nova"]), ..in_rooms.clone() };
+        let pool = Self { variants: owned(&["goals=pool"]), environments: two.clone(), ..in_rooms.clone() };
         vec![
-            Self { environments: owned(&robots), ..main },
-            Self { seed: 1, ..in_mazes.clone() },
-            Self { seed: 2, curricula: owned(&["teach"]), variants: owned(&variants), ..in_mazes.clone() },
-            Self {
-                seed: 3,
-                environments: owned(&["MazeA", "MazeB"]),
-                curricula: owned(&["teach"]),
-                variants: owned(&readings),
-                ..in_mazes.clone()
-            },
-            Self {
-                seed: 4,
-                environments: owned(&["MazeA", "MazeB"]),
-                curricula: owned(&["teach", "her-iid", "her-iid-pool"]),
-                variants: owned(&["goals=pool"]),
-                ..in_mazes
-            },
+            Self { environments: others, ..main },
+            Self { seed: 1, ..in_rooms },
+            Self { seed: 2, variants: owned(&[windows, interplays].concat()), ..of_nova.clone() },
+            Self { seed: 3, environments: two, variants: owned(&readings), ..of_nova },
+            Self { seed: 4, curricula: owned(&["nova", "dull", "dull-pool"]), ..pool },
         ]
     }
 
@@ -145,7 +126,7 @@ impl Experiment {
     }
 
     fn config(&self, run: &RunKey) -> Value {
-        let teacher = if run.curriculum == "teach" { teach_config(&run.variant) } else { json!({}) };
+        let teacher = if run.curriculum == "nova" { settings(&run.variant) } else { json!({}) };
         let goals = setting(&run.variant, "goals").unwrap_or("environment");
         json!({
             "synthetic": true,
@@ -228,12 +209,12 @@ impl Experiment {
     }
 }
 
-/// The time taken by `step`: 100 steps a second without a teacher, of which VDS's ensemble leaves 40.
+/// The time taken by `step`: 100 steps a second without a teacher, of which one with networks of its own leaves 40.
 fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     let student_s = step as f64 / 100.0;
     let teacher_s = match curriculum {
-        "vds" => 1.5 * student_s,
-        "her-iid" | "her-iid-pool" => 0.0,
+        "wren" => 1.5 * student_s,
+        "dull" | "dull-pool" => 0.0,
         _ => 0.1 * student_s,
     };
     Timing {
@@ -246,31 +227,30 @@ fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     }
 }
 
-/// The value of `name` in a variant's label: `n=3,confidence=target-critic`, `delta=5`, `states=replay,goals=pool`.
+/// The value of `name` in a variant's label: `window=3,confidence=target-critic`, `interplay=5`, `states=replay,goals=pool`.
 fn setting<'a>(variant: &'a str, name: &str) -> Option<&'a str> {
     let pairs = variant.split(',').filter_map(|setting| setting.split_once('='));
     pairs.into_iter().find(|(other, _)| *other == name).map(|(_, value)| value)
 }
 
-/// TEACH's settings as a variant's label says; the defaults elsewhere.
-fn teach_config(variant: &str) -> Value {
+/// The settings of the paper's own method as a variant's label says; the defaults elsewhere.
+fn settings(variant: &str) -> Value {
     let number =
         |name, default: u64| setting(variant, name).and_then(|value| value.parse().ok()).unwrap_or(default);
     let text = |name, default| setting(variant, name).unwrap_or(default);
     json!({
-        "window": number("n", 10),
-        "interplay": number("delta", 1),
+        "window": number("window", 10),
+        "interplay": number("interplay", 1),
         "confidence": text("confidence", "online"),
         "states": text("states", "reference"),
         "selection": text("selection", "proportional"),
         "record": text("record", "cycle"),
-        "signal": text("signal", "variance"),
     })
 }
 
-/// What a teacher records of an evaluation: nothing is defined before the first episode, and HER-IID picks nothing.
+/// What a teacher records of an evaluation: nothing is defined before the first episode, and DULL picks nothing.
 fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<String, Value> {
-    if curriculum == "her-iid" {
+    if curriculum == "dull" {
         return Map::from_iter([(PICKED_GOALS.to_owned(), Value::Null)]);
     }
     let effective = rng.random_range(2.0..f64::from(POOL));
@@ -280,7 +260,7 @@ fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<Strin
         ("effective_goals", json!(effective)),
         (PICKED_GOALS, json!(picked)),
         ("effective_picks", json!(f64::from(picked) * rng.random_range(0.5..1.0))),
-        ("pick_rank_mean", json!((curriculum == "space").then(|| rng.random_range(0.4..0.6)))),
+        ("pick_rank_mean", json!((curriculum == "moss").then(|| rng.random_range(0.4..0.6)))),
         ("score_success_correlation", json!(rng.random_range(-0.5..0.5))),
     ];
     let defined = |value| if eval_index == 0 { Value::Null } else { value };

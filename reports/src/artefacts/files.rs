@@ -6,6 +6,8 @@ use std::io::{ErrorKind, Write as _};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Component, Path, PathBuf};
 
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+
 use crate::error::ReportError;
 
 /// A file of the report: its path within it and its content.
@@ -14,16 +16,13 @@ pub(super) type File = (PathBuf, Vec<u8>);
 /// Longest name of a file, in bytes, before its prefix and extension: file systems allow 255.
 const LONGEST_NAME: usize = 200;
 
+/// What is written as `%XX` in names of files.
+const IN_FILE_NAMES: &AsciiSet = &NON_ALPHANUMERIC.remove(b'.').remove(b'_').remove(b'-');
+
 /// A name as part of a file name: bytes outside `A-Z a-z 0-9 . _ -` become `%XX`, so that different names stay
 /// different. A name too long even so is cut and gets its `index` among all names.
 pub(super) fn file_name(name: &str, index: usize) -> String {
-    let mut encoded = String::with_capacity(name.len());
-    for byte in name.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'.' | b'_' | b'-' => encoded.push(char::from(byte)),
-            other => encoded.push_str(&format!("%{other:02X}")),
-        }
-    }
+    let mut encoded = utf8_percent_encode(name, IN_FILE_NAMES).to_string();
     if encoded.len() > LONGEST_NAME {
         encoded.truncate(LONGEST_NAME);
         encoded.push_str(&format!("~{index}"));

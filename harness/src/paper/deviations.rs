@@ -1,22 +1,13 @@
 //! Known deviations from the paper: where it is silent or contradicts itself, and what is done here.
 
-/// A known deviation or choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Deviation {
-    /// What it is about.
-    pub topic: &'static str,
-    /// What the paper says, or that it says nothing.
-    pub paper: &'static str,
-    /// What is done here.
-    pub here: &'static str,
-}
+use reports::analysis::catalogue::Deviation;
 
 const fn row(topic: &'static str, paper: &'static str, here: &'static str) -> Deviation {
     Deviation { topic, paper, here }
 }
 
 /// All that are known, in the order of the method: student, teachers, protocol.
-pub static DEVIATIONS: &[Deviation] = &[
+pub(super) static DEVIATIONS: &[Deviation] = &[
     row(
         "Student's hyper-parameters",
         "states batch size, depth and the critic's learning rate; not width, γ, the actor's learning rate, noise, \
