@@ -1,8 +1,8 @@
 //! The paper (TEACH, arXiv 2512.22824) as data: what it compares, varies and claims, for reports.
 //!
-//! Reports know none of this by themselves; [`catalogue`] hands it in, together with what the registry knows of methods
-//! and environments. What stands in configs is named by the code that owns it: the fields that the paper varies by
-//! [`teach::AXES`], titles and looks by the methods.
+//! Reports know none of this by themselves; [`catalogue`] hands it in, together with what the registry knows
+//! of methods and environments. What stands in configs is named by the code that owns it: the fields that the
+//! paper varies by [`teach::AXES`], titles and looks by the methods.
 
 mod claims;
 mod deviations;
@@ -23,8 +23,8 @@ pub const BASELINES: [&str; 4] = ["vds", "procurl", "space", "her-iid"];
 /// The control that the paper lacks, as a curriculum id: goals of the pool that nobody chooses.
 pub const CONTROL: &str = "her-iid-pool";
 
-/// Its environments, as environment ids. Where its names and its appendix B describe different goals, the task counts
-/// as there under either id: first that of the name, then those of the appendix.
+/// Its environments, as environment ids. Where its names and its appendix B describe different goals, the
+/// task counts as there under either id: first that of the name, then those of the appendix.
 pub const TASKS: [&[&str]; 11] = [
     &["MazeA"],
     &["MazeB"],
@@ -122,7 +122,7 @@ mod tests {
     use reports::render::figure::FALLBACK;
 
     use super::*;
-    use crate::config::RunConfig;
+    use crate::config;
 
     /// The grey of a colour, by the weights of ITU-R BT.601.
     fn luma((red, green, blue): Rgb) -> f64 {
@@ -148,6 +148,28 @@ mod tests {
             assert!(looks.iter().all(|(_, look)| look != free), "a free look is nobody's");
             assert!(!FALLBACK[..i].contains(free));
         }
+    }
+
+    #[test]
+    fn what_the_paper_varies_or_leaves_open_stands_in_its_methods_config() {
+        let registry = Registry::builtin();
+        let (method, maze) = (registry.curriculum(METHOD), registry.environment(TASKS[0][0]));
+        let config = config::resolve(&registry, &maze.expect("there").spec, method.expect("there"), &[]);
+        let config = serde_json::to_value(config.expect("the defaults are sound")).expect("plain data");
+        let paper = paper();
+        for axis in &paper.axes {
+            let value = config.pointer(&axis.pointer).unwrap_or_else(|| panic!("no field {}", axis.pointer));
+            assert_eq!(
+                value.to_string().trim_matches('"'),
+                axis.reference,
+                "the default of {}",
+                axis.pointer
+            );
+        }
+        for choice in &paper.choices {
+            assert!(config.pointer(choice.pointer).is_some(), "no field {}", choice.pointer);
+        }
+        assert!(config.pointer(&paper.settings).is_some());
     }
 
     #[test]

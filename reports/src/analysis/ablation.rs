@@ -1,4 +1,5 @@
-//! A paper's ablations, found in what runs were configured with: variants of a method that differ in one field alone.
+//! A paper's ablations, found in what runs were configured with: variants of a method that differ in one
+//! field alone.
 
 use serde_json::Value;
 

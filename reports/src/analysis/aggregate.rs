@@ -1,4 +1,5 @@
-//! Methods summed up over environments (Agarwal et al. 2021, "Deep RL at the Edge of the Statistical Precipice").
+//! Methods summed up over environments (Agarwal et al. 2021, "Deep RL at the Edge of the Statistical
+//! Precipice").
 
 use crate::analysis::finals::Finals;
 use crate::analysis::group::GroupKey;
@@ -11,15 +12,17 @@ const PROFILE_INTERVALS: u32 = 40;
 
 /// Methods and the environments in which all of them have results, with the final scores there.
 ///
-/// Only there can methods be compared: a method that was run on easy environments alone would look good. A method that
-/// was run in few environments would leave few to all others; see [`Shared::of`] for when it is left out instead.
+/// Only there can methods be compared: a method that was run on easy environments alone would look good. A
+/// method that was run in few environments would leave few to all others; see [`Shared::of`] for when it is
+/// left out instead.
 #[derive(Clone, Debug)]
 pub struct Shared<'a> {
     /// Environment ids, in order.
     pub environments: Vec<&'a str>,
     /// Methods that lack so many environments that they are left out. The keys' environment means nothing.
     pub left_out: Vec<&'a GroupKey>,
-    /// Every other method with its final scores, one stratum per environment. The key's environment means nothing.
+    /// Every other method with its final scores, one stratum per environment. The key's environment means
+    /// nothing.
     methods: Vec<(&'a GroupKey, Vec<Vec<f64>>)>,
 }
 
@@ -72,9 +75,9 @@ pub struct Profile<'a> {
 impl<'a> Shared<'a> {
     /// Finds what the methods share; `finals` come sorted by key, those without scores count as absent.
     ///
-    /// Methods are ranked by the number of their environments. Of all ways to keep the first k of them, k at least 2, the
-    /// one with the most scores is taken (methods times the environments that all k have), among those that share
-    /// [`FEWEST_SHARED`] environments if there is one; of equals the one with more methods.
+    /// Methods are ranked by the number of their environments. Of all ways to keep the first k of them, k at
+    /// least 2, the one with the most scores is taken (methods times the environments that all k have), among
+    /// those that share [`FEWEST_SHARED`] environments if there is one; of equals the one with more methods.
     pub fn of(finals: impl IntoIterator<Item = &'a Finals>) -> Self {
         let finals: Vec<&'a Finals> =
             finals.into_iter().filter(|finals| !finals.by_seed.is_empty()).collect();
@@ -108,7 +111,8 @@ impl<'a> Shared<'a> {
         Self { environments, left_out, methods }
     }
 
-    /// Every method with its final scores, in order. Shape: one stratum per shared environment, one score per seed.
+    /// Every method with its final scores, in order. Shape: one stratum per shared environment, one score per
+    /// seed.
     pub fn methods(&self) -> &[(&'a GroupKey, Vec<Vec<f64>>)] {
         &self.methods
     }

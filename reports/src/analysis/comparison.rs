@@ -29,12 +29,12 @@ impl TestFamily {
     }
 }
 
-/// The final scores of a method compared with those of its reference, from their comparable runs. Differences are
-/// method minus reference.
+/// The final scores of a method compared with those of its reference, from their comparable runs. Differences
+/// are method minus reference.
 ///
-/// Welch's test leaves aside that runs of one seed share their start, and so it also uses seeds that only one side has;
-/// where pairs go together it errs to the safe side. The sign-flip test uses the pairs and assumes nothing about how
-/// scores are distributed, but is silent for few of them.
+/// Welch's test leaves aside that runs of one seed share their start, and so it also uses seeds that only one
+/// side has; where pairs go together it errs to the safe side. The sign-flip test uses the pairs and assumes
+/// nothing about how scores are distributed, but is silent for few of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison<'a> {
     /// What it belongs to.
@@ -71,8 +71,9 @@ pub struct Comparison<'a> {
     pub needed_seeds: Option<u64>,
 }
 
-/// Compares every method with its reference; `groups` come sorted by key, and `compared` says which of them stand for
-/// their method ([`group::compared`]). Variants whose runs are those of their reference are left out.
+/// Compares every method with its reference; `groups` come sorted by key, and `compared` says which of them
+/// stand for their method ([`group::compared`]). Variants whose runs are those of their reference are left
+/// out.
 pub fn comparisons<'a>(
     groups: &'a [Group<'_>],
     compared: &[bool],

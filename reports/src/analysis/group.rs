@@ -38,8 +38,8 @@ impl GroupKey {
         format!("{}{}", self.curriculum.title, self.detail())
     }
 
-    /// What follows the curriculum's name where curves are told apart: the variant in brackets, or nothing for
-    /// `default`.
+    /// What follows the curriculum's name where curves are told apart: the variant in brackets, or nothing
+    /// for `default`.
     pub fn detail(&self) -> String {
         if self.variant == "default" { String::new() } else { format!(" ({})", self.variant) }
     }
@@ -78,9 +78,9 @@ pub struct Group<'a> {
     pub runs: Vec<&'a Run>,
 }
 
-/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both have, which
-/// is at least one; success at any step counts where both tell it. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
-/// such groups.
+/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both
+/// have, which is at least one; success at any step counts where both tell it. Two settings that come to the
+/// same in the method (such as two Δ within one cycle of learning) give such groups.
 pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
     let any = |record: &Record, other: &Record| {
         record.any_success_rate.filter(|_| other.any_success_rate.is_some())
@@ -104,9 +104,9 @@ pub fn shared_seeds<'a>(a: &Group<'a>, b: &Group<'a>) -> impl Iterator<Item = (&
     })
 }
 
-/// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single curriculum
-/// has, in an environment where that curriculum has a `default` too, is an ablation of it and does not. Shape: one
-/// answer per key.
+/// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single
+/// curriculum has, in an environment where that curriculum has a `default` too, is an ablation of it and does
+/// not. Shape: one answer per key.
 pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
     let has_default = |key: &GroupKey| {
         let same = |other: &&&GroupKey| {

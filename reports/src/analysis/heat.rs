@@ -36,8 +36,8 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds of.
-    /// `None` if no goal is a position in the plane.
+    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds
+    /// of. `None` if no goal is a position in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         maze: &MazeInfo,
@@ -63,14 +63,15 @@ impl HeatMap {
 }
 
 impl HeatPhase {
-    /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side * side]`.
+    /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side *
+    /// side]`.
     pub fn shares(&self) -> Vec<f64> {
         let total: u32 = self.episodes.iter().sum();
         self.episodes.iter().map(|&count| f64::from(count) / f64::from(total.max(1))).collect()
     }
 
-    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few would look as
-    /// certain as any other. Shape: `[side * side]`.
+    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few
+    /// would look as certain as any other. Shape: `[side * side]`.
     pub fn rates(&self) -> Vec<Option<f64>> {
         let rate = |(&successes, &episodes): (&u32, &u32)| {
             (episodes >= FEWEST_EPISODES).then(|| f64::from(successes) / f64::from(episodes))
@@ -98,8 +99,8 @@ pub struct MazeHeat<'a> {
 }
 
 impl<'a> Heat<'a> {
-    /// Heat maps of the compared groups of every maze. What teachers did is read here, run by run, and counted at
-    /// once: all of it together would not be small.
+    /// Heat maps of the compared groups of every maze. What teachers did is read here, run by run, and
+    /// counted at once: all of it together would not be small.
     pub fn of(results: &Path, groups: &Groups<'_>, mazes: &'a [MazeInfo]) -> Self {
         let mut heat = Self::default();
         for maze in mazes {

@@ -1,4 +1,5 @@
-//! Probability that the first method of a report scores above each other one, over the environments that both have.
+//! Probability that the first method of a report scores above each other one, over the environments that both
+//! have.
 
 use crate::analysis::aggregate::finals_of;
 use crate::analysis::finals::Finals;
@@ -20,8 +21,8 @@ pub struct Improvement<'a> {
     pub interval: Option<(f64, f64)>,
 }
 
-/// The first method against each other one that shares an environment with it, in order; `finals` come sorted by key,
-/// those without scores count as absent.
+/// The first method against each other one that shares an environment with it, in order; `finals` come sorted
+/// by key, those without scores count as absent.
 pub fn improvements<'a>(finals: &[&'a Finals], resampling: Resampling) -> Vec<Improvement<'a>> {
     let finals: Vec<&'a Finals> =
         finals.iter().filter(|finals| !finals.by_seed.is_empty()).copied().collect();

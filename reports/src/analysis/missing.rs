@@ -93,10 +93,10 @@ fn timings(analysis: &Analysis<'_>) -> Vec<String> {
     lacking
 }
 
-/// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected to have
-/// every method among them, and every method the seeds that any run of `all` has. `groups` come in order; those that
-/// stand for their method and those that are variants of one are asked about apart, for ablations may be run in fewer
-/// environments.
+/// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected
+/// to have every method among them, and every method the seeds that any run of `all` has. `groups` come in
+/// order; those that stand for their method and those that are variants of one are asked about apart, for
+/// ablations may be run in fewer environments.
 fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
     let seeds: BTreeSet<u64> = all.iter().flat_map(|group| &group.runs).map(|run| run.key().seed).collect();
     let mut methods: Vec<&GroupKey> = groups.iter().map(|group| &group.key).collect();
@@ -131,8 +131,8 @@ fn any_success(all: &[Group<'_>]) -> Option<String> {
     older("success at any step", all, |record| record.any_success_rate.is_some())
 }
 
-/// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked; `None` if all
-/// do. A teacher that picks none has the number all the same, as one that is not defined.
+/// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked;
+/// `None` if all do. A teacher that picks none has the number all the same, as one that is not defined.
 fn picks(all: &[Group<'_>]) -> Option<String> {
     older("which goals of the pool were picked", all, |record| record.teacher.contains_key(PICKED_GOALS))
 }

@@ -1,4 +1,5 @@
-//! From runs to numbers: groups of runs, their curves and scores, comparisons, and verdicts on a paper's claims.
+//! From runs to numbers: groups of runs, their curves and scores, comparisons, and verdicts on a paper's
+//! claims.
 
 pub mod ablation;
 pub mod aggregate;

@@ -84,10 +84,10 @@ fn best(curve: &Curve, n: usize) -> Option<Point> {
     complete.rev().max_by(|a, b| a.mean.total_cmp(&b.mean)).copied()
 }
 
-/// The step by which at least half of the seeds had reached a threshold: the lower median of `times`, one entry per
-/// seed, `None` for a seed that had not by its last evaluation (censored) and so counts as later than all others; `None`
-/// if fewer than half of them did. Where all seeds were trained for equally long this is the Kaplan-Meier median; a seed
-/// that was stopped before the others makes it no earlier than that.
+/// The step by which at least half of the seeds had reached a threshold: the lower median of `times`, one
+/// entry per seed, `None` for a seed that had not by its last evaluation (censored) and so counts as later
+/// than all others; `None` if fewer than half of them did. Where all seeds were trained for equally long this
+/// is the Kaplan-Meier median; a seed that was stopped before the others makes it no earlier than that.
 pub fn median_steps(times: &[Option<u64>]) -> Option<u64> {
     let mut reached: Vec<u64> = times.iter().flatten().copied().collect();
     reached.sort_unstable();

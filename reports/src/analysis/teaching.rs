@@ -1,4 +1,5 @@
-//! What teachers picked: the numbers of their records that say how they choose, per environment, curriculum and variant.
+//! What teachers picked: the numbers of their records that say how they choose, per environment, curriculum
+//! and variant.
 
 use crate::analysis::group::{Group, GroupKey};
 use crate::schema::Record;
@@ -18,7 +19,8 @@ pub struct PickSummary {
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
     pub n_seeds: usize,
-    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; `None` where none has.
+    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; `None`
+    /// where none has.
     pub means: [Option<f64>; 5],
 }
 
@@ -39,8 +41,8 @@ impl PickSummary {
     }
 }
 
-/// The mean of the teacher's number `name` over the evaluations after evaluation 0, before which there was no training,
-/// as far as it is defined; `None` if it never is.
+/// The mean of the teacher's number `name` over the evaluations after evaluation 0, before which there was no
+/// training, as far as it is defined; `None` if it never is.
 pub fn mean_over_training(records: &[Record], name: &str) -> Option<f64> {
     let trained = records.iter().filter(|record| record.eval_index > 0);
     let numbers: Vec<f64> = trained.filter_map(|record| record.teacher.get(name)?.as_f64()).collect();

@@ -49,7 +49,8 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     Ok(drawings)
 }
 
-/// The curves of ablation `index`, each named by its value, below a title that no other ablation of the axis has.
+/// The curves of ablation `index`, each named by its value, below a title that no other ablation of the axis
+/// has.
 fn labelled(groups: &Groups<'_>, all: &[Ablation<'_>], index: usize) -> (String, Vec<Curve>) {
     let ablation = &all[index];
     let environment = |ablation: &Ablation<'_>| &groups.all[ablation.levels[0].group].key.environment;

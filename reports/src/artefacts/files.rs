@@ -19,8 +19,8 @@ const LONGEST_NAME: usize = 200;
 /// What is written as `%XX` in names of files.
 const IN_FILE_NAMES: &AsciiSet = &NON_ALPHANUMERIC.remove(b'.').remove(b'_').remove(b'-');
 
-/// A name as part of a file name: bytes outside `A-Z a-z 0-9 . _ -` become `%XX`, so that different names stay
-/// different. A name too long even so is cut and gets its `index` among all names.
+/// A name as part of a file name: bytes outside `A-Z a-z 0-9 . _ -` become `%XX`, so that different names
+/// stay different. A name too long even so is cut and gets its `index` among all names.
 pub(super) fn file_name(name: &str, index: usize) -> String {
     let mut encoded = utf8_percent_encode(name, IN_FILE_NAMES).to_string();
     if encoded.len() > LONGEST_NAME {
@@ -33,8 +33,8 @@ pub(super) fn file_name(name: &str, index: usize) -> String {
 /// Name of the list of a report's files, by which the next report knows which of them it may remove.
 const LIST: &str = "files.txt";
 
-/// Writes all `files` into `folder`, then removes what the report before it listed and this one lacks. What a report
-/// did not write itself is never touched. Gives the paths written.
+/// Writes all `files` into `folder`, then removes what the report before it listed and this one lacks. What a
+/// report did not write itself is never touched. Gives the paths written.
 pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>, ReportError> {
     let before = listed(&folder.join(LIST))?;
     let mut now: BTreeSet<PathBuf> = files.iter().map(|(name, _)| name.clone()).collect();
@@ -50,7 +50,9 @@ pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>,
     for stale in before.difference(&now) {
         let path = folder.join(stale);
         match fs::remove_file(&path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(ReportError::io(&path)(error)),
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(ReportError::io(&path, "remove this file")(error));
+            }
             _ => {}
         }
     }
@@ -59,13 +61,13 @@ pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>,
     Ok(written)
 }
 
-/// The files named in the list at `path`; none if there is no list. Names that lead out of the folder are no names of
-/// ours.
+/// The files named in the list at `path`; none if there is no list. Names that lead out of the folder are no
+/// names of ours.
 fn listed(path: &Path) -> Result<BTreeSet<PathBuf>, ReportError> {
     let text = match fs::read(path) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-        Err(error) => return Err(ReportError::io(path)(error)),
+        Err(error) => return Err(ReportError::io(path, "read this file")(error)),
     };
     let is_inside = |name: &PathBuf| {
         name.components().all(|component| matches!(component, Component::Normal(_)))
@@ -79,18 +81,20 @@ fn write_list<'a>(folder: &Path, names: impl Iterator<Item = &'a PathBuf>) -> Re
     replace(&folder.join(LIST), lines.as_bytes())
 }
 
-/// Writes `bytes`, readable as any new file is, to a new file beside `path`, then renames it: readers see the old or
-/// the new file, never half.
+const WRITE: &str = "write this file";
+
+/// Writes `bytes`, readable as any new file is, to a new file beside `path`, then renames it: readers see the
+/// old or the new file, never half.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder).map_err(ReportError::io(folder))?;
+    fs::create_dir_all(folder).map_err(ReportError::io(folder, "create this folder"))?;
     let mut file = tempfile::Builder::new()
         .prefix(".report-")
         .permissions(fs::Permissions::from_mode(0o666))
         .tempfile_in(folder)
-        .map_err(ReportError::io(folder))?;
-    file.write_all(bytes).map_err(ReportError::io(path))?;
-    file.persist(path).map_err(|error| ReportError::Io { path: path.to_owned(), source: error.error })?;
+        .map_err(ReportError::io(folder, "write into this folder"))?;
+    file.write_all(bytes).map_err(ReportError::io(path, WRITE))?;
+    file.persist(path).map_err(|error| ReportError::io(path, WRITE)(error.error))?;
     Ok(())
 }
 

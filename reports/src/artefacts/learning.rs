@@ -1,4 +1,5 @@
-//! Learning curves of all methods against each kind of progress: one figure of all environments, and one of each.
+//! Learning curves of all methods against each kind of progress: one figure of all environments, and one of
+//! each.
 
 use std::slice;
 

@@ -1,8 +1,8 @@
 //! What a report shows: a table of figures and tables, one file each.
 //!
-//! A row of [`ARTEFACTS`] says what its files are called, where it stands and how it computes itself from the one
-//! [`Analysis`]. The page, `summary.md`, `DATA.md`, LaTeX, CSV, Parquet, SVG and PNG all follow from the rows. So a new
-//! figure or table is a new file here with its `mod` line, and its row.
+//! A row of [`ARTEFACTS`] says what its files are called, where it stands and how it computes itself from the
+//! one [`Analysis`]. The page, `summary.md`, `DATA.md`, LaTeX, CSV, Parquet, SVG and PNG all follow from the
+//! rows. So a new figure or table is a new file here with its `mod` line, and its row.
 
 mod ablations;
 mod aggregates;
@@ -18,6 +18,7 @@ mod improvement;
 mod intervals;
 mod learning;
 mod ledger;
+mod made;
 mod page;
 mod profiles;
 mod readings;
@@ -34,8 +35,8 @@ use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::Sheet;
 
-/// Every figure and table of a report, in the order in which they are read. Within a section figures stand above
-/// tables.
+/// Every figure and table of a report, in the order in which they are read. Within a section figures stand
+/// above tables.
 pub static ARTEFACTS: &[Artefact] = &[
     records::ROW,
     runs::ROW,
@@ -63,7 +64,8 @@ pub static ARTEFACTS: &[Artefact] = &[
 /// A row of [`ARTEFACTS`].
 #[derive(Clone, Copy, Debug)]
 pub struct Artefact {
-    /// Name of its files, without extension; of figures of single environments, what comes before the environment.
+    /// Name of its files, without extension; of figures of single environments, what comes before the
+    /// environment.
     pub id: &'static str,
     /// Where it stands.
     pub section: Section,
@@ -103,7 +105,8 @@ pub enum Content {
         row: &'static str,
         /// Whether there is a Parquet file beside the CSV.
         parquet: bool,
-        /// Whether the rows of an environment, which stands in the first column shown, are repeated in its section.
+        /// Whether the rows of an environment, which stands in the first column shown, are repeated in its
+        /// section.
         repeated: Repeated,
         /// Computes it.
         sheet: fn(&Analysis<'_>) -> Result<Sheet, ReportError>,

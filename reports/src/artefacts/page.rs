@@ -1,6 +1,6 @@
 //! The page: sections in the order of the artefacts, then how the runs were made and what is wrong.
 
-use super::report::{Made, shown};
+use super::made::{Made, shown};
 use super::{Artefact, Content, Drawing, RESULTS, Repeated, Section};
 use crate::analysis::whole::Analysis;
 use crate::render::page::{self, PageSection, Picture};

@@ -13,8 +13,8 @@ use crate::schema::Record;
 pub(super) const ROW: Artefact =
     Artefact::table("records", Section::Nowhere, "evaluation", sheet).with_parquet();
 
-/// A row per evaluation, by run and step: the fields of [`Record`] in their order, then `teacher.NAME` for every number
-/// that any teacher recorded, by name.
+/// A row per evaluation, by run and step: the fields of [`Record`] in their order, then `teacher.NAME` for
+/// every number that any teacher recorded, by name.
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let records: Vec<&Record> = analysis.store.runs().iter().flat_map(|run| &run.records).collect();
     let mut columns = fields();

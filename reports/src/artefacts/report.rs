@@ -2,18 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use super::files::{self, File};
-use super::{ARTEFACTS, Artefact, Content, Drawing, Section, page};
+use super::made::{Made, make, shown};
+use super::{ARTEFACTS, Artefact, Content, Section, page};
 use crate::analysis::comparison::{ALPHA, TARGET_POWER};
 use crate::analysis::groups::Groups;
 use crate::analysis::missing;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::figure;
-use crate::render::table::{self, Sheet, markdown_escape};
+use crate::render::table::{self, markdown_escape};
 use crate::store::Store;
 use crate::store::layout;
 use crate::store::problem::Problem;
@@ -33,22 +31,13 @@ pub struct Written {
     pub evaluations: usize,
 }
 
-/// An artefact, computed.
-pub(super) struct Made {
-    pub(super) artefact: &'static Artefact,
-    /// Its table, if it is one.
-    pub(super) sheet: Option<Sheet>,
-    /// Its figures, text as outlines.
-    pub(super) drawings: Vec<Drawing>,
-    /// Their files.
-    figures: Vec<File>,
-}
-
-/// Writes figures and tables of all evaluations so far into `results/report/`. Each file is replaced atomically, files
-/// of the report before that this one lacks are removed; the same results give the same bytes.
+/// Writes figures and tables of all evaluations so far into `results/report/`. Each file is replaced
+/// atomically, files of the report before that this one lacks are removed; the same results give the same
+/// bytes.
 ///
 /// # Errors
-/// What [`Store::read`] refuses; [`ReportError::NoRecords`] if there is nothing to draw; [`ReportError::Option`];
+/// What [`Store::read`] refuses; [`ReportError::NoRecords`] if there is nothing to draw;
+/// [`ReportError::Option`];
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
     options.check()?;
@@ -84,37 +73,6 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
 
     let files = files::write_all(&layout::report_dir(results), files)?;
     Ok(Written { files, problems, missing, runs: store.runs().len(), evaluations: store.len() })
-}
-
-fn make(artefact: &'static Artefact, analysis: &Analysis<'_>) -> Result<Made, ReportError> {
-    let mut made = Made { artefact, sheet: None, drawings: Vec::new(), figures: Vec::new() };
-    match artefact.content {
-        Content::Table { sheet, .. } => made.sheet = Some(sheet(analysis)?),
-        Content::Figures(draw) => {
-            let rendered: Result<Vec<_>, ReportError> = draw(analysis)?.into_par_iter().map(render).collect();
-            for (drawing, files) in rendered? {
-                made.drawings.push(drawing);
-                made.figures.extend(files);
-            }
-        }
-    }
-    Ok(made)
-}
-
-/// A drawing with its text as outlines, and its files.
-fn render(drawing: Drawing) -> Result<(Drawing, [File; 2]), ReportError> {
-    let Drawing { name, svg, .. } = &drawing;
-    let png = figure::png(name, svg)?;
-    let svg = figure::outlined(name, svg)?;
-    let path = |extension: &str| Path::new("figures").join(format!("{name}.{extension}"));
-    let files = [(path("svg"), svg.clone().into_bytes()), (path("png"), png)];
-    Ok((Drawing { svg, ..drawing }, files))
-}
-
-/// The tables that are there to read in a section of their own or of several.
-pub(super) fn shown(made: &[Made]) -> impl Iterator<Item = (&'static Artefact, &Sheet)> {
-    let tables = made.iter().filter_map(|made| Some((made.artefact, made.sheet.as_ref()?)));
-    tables.filter(|(artefact, sheet)| sheet.is_shown() && matches!(artefact.section, Section::Named { .. }))
 }
 
 /// The numbers of a table as CSV, and as Parquet where there is such a file.

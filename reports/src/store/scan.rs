@@ -26,7 +26,7 @@ pub(super) fn run_folders(results: &Path) -> Result<(Vec<PathBuf>, Vec<Problem>)
         return Err(ReportError::NotResults { path: results.to_owned() });
     }
     let mut problems = Vec::new();
-    let mut level = children(&runs).map_err(ReportError::io(&runs))?;
+    let mut level = children(&runs).map_err(ReportError::io(&runs, "list this folder"))?;
     for depth in 1..=DEPTH {
         let mut below = Vec::new();
         for path in level {

@@ -1,4 +1,5 @@
-//! A made-up paper of the size and shape of a real one: methods, environments, claims and readings that nobody has.
+//! A made-up paper of the size and shape of a real one: methods, environments, claims and readings that
+//! nobody has.
 
 use looks::colours::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use looks::{Dash, Look, Marker};

@@ -1,4 +1,5 @@
-//! Made-up results: seeded learning curves in the form that runs leave on disk, for tests and speed measurements.
+//! Made-up results: seeded learning curves in the form that runs leave on disk, for tests and speed
+//! measurements.
 //!
 //! Their manifests say so (`config.synthetic`), so that they never pass for measured ones.
 
@@ -47,8 +48,8 @@ pub struct Experiment {
 }
 
 impl Default for Experiment {
-    /// The size of one environment of a comparison: 1 environment, the 6 methods of the made-up [`catalogue`()], 7 seeds,
-    /// 101 evaluations.
+    /// The size of one environment of a comparison: 1 environment, the 6 methods of the made-up
+    /// [`catalogue`()], 7 seeds, 101 evaluations.
     fn default() -> Self {
         Self {
             environments: owned(&["ArmReach"]),
@@ -69,8 +70,8 @@ fn owned(names: &[&str]) -> Vec<String> {
 }
 
 impl Experiment {
-    /// The size of the whole made-up paper: 462 runs of 101 evaluations on 11 environments, 168 runs of ablations in
-    /// rooms, and 98 of readings of the paper in two of them.
+    /// The size of the whole made-up paper: 462 runs of 101 evaluations on 11 environments, 168 runs of
+    /// ablations in rooms, and 98 of readings of the paper in two of them.
     pub fn paper() -> Vec<Self> {
         let tasks = catalogue().paper.tasks;
         let tasks = tasks.iter().filter_map(|ids| ids.first().cloned());
@@ -135,7 +136,8 @@ impl Experiment {
         })
     }
 
-    /// What a teacher might do before an evaluation: its goals move away from a corner while the student improves.
+    /// What a teacher might do before an evaluation: its goals move away from a corner while the student
+    /// improves.
     fn teach(&self, eval_index: u64, trend: Trend, rng: &mut ChaCha8Rng) -> Teaching {
         let share = eval_index as f64 / self.evaluations.max(1) as f64;
         let reach = (0.3 + 1.4 * share) as f32;
@@ -191,10 +193,10 @@ impl Experiment {
         };
         let end = self.evaluations.saturating_sub(1) * self.interval;
         let folder = layout::run_dir(results, run);
-        fs::create_dir_all(&folder).map_err(ReportError::io(&folder))?;
+        fs::create_dir_all(&folder).map_err(ReportError::io(&folder, "create this folder"))?;
         let file = |name: &str, text: String| {
             let path = folder.join(name);
-            fs::write(&path, text).map_err(ReportError::io(&path))
+            fs::write(&path, text).map_err(ReportError::io(&path, "write this file"))
         };
         file(layout::MANIFEST, json_line(&manifest))?;
         file(layout::RECORDS, records.iter().map(json_line).collect())?;
@@ -209,7 +211,8 @@ impl Experiment {
     }
 }
 
-/// The time taken by `step`: 100 steps a second without a teacher, of which one with networks of its own leaves 40.
+/// The time taken by `step`: 100 steps a second without a teacher, of which one with networks of its own
+/// leaves 40.
 fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     let student_s = step as f64 / 100.0;
     let teacher_s = match curriculum {
@@ -227,7 +230,8 @@ fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     }
 }
 
-/// The value of `name` in a variant's label: `window=3,confidence=target-critic`, `interplay=5`, `states=replay,goals=pool`.
+/// The value of `name` in a variant's label: `window=3,confidence=target-critic`, `interplay=5`,
+/// `states=replay,goals=pool`.
 fn setting<'a>(variant: &'a str, name: &str) -> Option<&'a str> {
     let pairs = variant.split(',').filter_map(|setting| setting.split_once('='));
     pairs.into_iter().find(|(other, _)| *other == name).map(|(_, value)| value)
@@ -248,7 +252,8 @@ fn settings(variant: &str) -> Value {
     })
 }
 
-/// What a teacher records of an evaluation: nothing is defined before the first episode, and DULL picks nothing.
+/// What a teacher records of an evaluation: nothing is defined before the first episode, and DULL picks
+/// nothing.
 fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<String, Value> {
     if curriculum == "dull" {
         return Map::from_iter([(PICKED_GOALS.to_owned(), Value::Null)]);

@@ -11,8 +11,8 @@ use reports::store::layout;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A config of NOVA or of another curriculum with the budget of its environment, as protocols resolve it: NOVA's
-/// defaults but for `settings`.
+/// A config of NOVA or of another curriculum with the budget of its environment, as protocols resolve it:
+/// NOVA's defaults but for `settings`.
 fn resolved(environment: &str, curriculum: &str, goals: &str, settings: &[(&str, Value)]) -> Value {
     let (steps, every) = if environment == "ArmReach" { (6_000, 500) } else { (40_000, 2_000) };
     let mut own = json!({});

@@ -100,8 +100,8 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
     ]
 }
 
-/// All figures of a case: learning curves of one and of all environments, the same over hours, and what sums up
-/// environments.
+/// All figures of a case: learning curves of one and of all environments, the same over hours, and what sums
+/// up environments.
 fn figures(curves: &[Curve]) -> Vec<String> {
     let first = &curves[0].key.environment;
     let all: Vec<&Curve> = curves.iter().collect();
@@ -122,7 +122,8 @@ fn figures(curves: &[Curve]) -> Vec<String> {
     figures
 }
 
-/// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final scores.
+/// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final
+/// scores.
 fn across(curves: &[&Curve]) -> [String; 3] {
     let finals = |(index, curve): (usize, &&Curve)| Finals {
         key: curve.key.clone(),
@@ -272,7 +273,8 @@ fn equal_curves_can_all_be_seen() {
     }
 }
 
-/// Writes all cases for inspection by eye: `FIGURES=FOLDER cargo test --release -p reports --test it -- --ignored`.
+/// Writes all cases for inspection by eye: `FIGURES=FOLDER cargo test --release -p reports --test it --
+/// --ignored`.
 #[test]
 #[ignore = "writes files for people to look at"]
 fn draw_all_cases() {

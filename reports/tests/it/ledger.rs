@@ -99,7 +99,8 @@ fn clear_results_are_judged() {
     assert!((interplay.confidence - 0.975).abs() < 1e-12);
 }
 
-/// The claim on smooth confidence, at n = 3 in two environments: 0.6 with the online networks, and these values.
+/// The claim on smooth confidence, at n = 3 in two environments: 0.6 with the online networks, and these
+/// values.
 fn smooth_confidence(values: &[(&str, f64)]) -> LedgerEntry {
     let results = TempDir::new().unwrap();
     for environment in ["RoomA", "RoomB"] {
@@ -209,7 +210,8 @@ fn few_seeds_decide_nothing() {
     assert_eq!(entries[0].evidence, "no environment with 5 seeds of both");
 }
 
-/// Seeds 0 to 6 of NOVA and of WREN, which is ahead at every step; NOVA goes on for twice as long where WREN has not.
+/// Seeds 0 to 6 of NOVA and of WREN, which is ahead at every step; NOVA goes on for twice as long where WREN
+/// has not.
 fn race(results: &Path, finished: bool) -> Vec<LedgerEntry> {
     for seed in 0..7 {
         write_run(results, &key("E", "nova", "default", seed), &[0.0, 0.2, 0.6, 0.9]);

@@ -1,4 +1,5 @@
-//! Verdicts under several readings of the paper: which groups are readings, what they are set against, what is said.
+//! Verdicts under several readings of the paper: which groups are readings, what they are set against, what
+//! is said.
 
 use std::fs;
 use std::path::Path;

@@ -25,8 +25,8 @@ pub(crate) fn options() -> ReportOptions {
     ReportOptions { catalogue: catalogue(), ..ReportOptions::default() }
 }
 
-/// A finished run with an evaluation of 20 episodes (or 1,000) every 1,000 steps, `rates` their success rates. Gives the
-/// folder of the run.
+/// A finished run with an evaluation of 20 episodes (or 1,000) every 1,000 steps, `rates` their success
+/// rates. Gives the folder of the run.
 pub(crate) fn write_run(results: &Path, run: &RunKey, rates: &[f64]) -> PathBuf {
     write_configured(results, run, rates, json!({"agent": {"width": 256}}))
 }
@@ -131,8 +131,8 @@ pub(crate) fn every_kind() -> TempDir {
     results
 }
 
-/// A program that a test needs; `None`, and a word about it, where it is not installed and the variable `required`
-/// does not insist.
+/// A program that a test needs; `None`, and a word about it, where it is not installed and the variable
+/// `required` does not insist.
 #[expect(clippy::print_stdout, reason = "says that a test was skipped")]
 pub(crate) fn program(name: &str, required: &str) -> Option<PathBuf> {
     let path = std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())

@@ -151,7 +151,8 @@ fn all_runs_are_asked_for_what_was_picked_whatever_they_choose_from() {
         let missing = reports::write(results.path(), &options()).unwrap().missing;
         missing.into_iter().find(|text| text.contains("were picked"))
     };
-    // Of six methods none is silent, DULL with its number that is not defined neither; an ablation's run counts.
+    // Of six methods none is silent, DULL with its number that is not defined neither; an ablation's run
+    // counts.
     let silent =
         "which goals of the pool were picked: 1 of 7 runs have no record of it (older than the field)";
     assert_eq!(made("n=3").as_deref(), Some(silent));

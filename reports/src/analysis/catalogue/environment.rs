@@ -26,8 +26,8 @@ pub struct EnvironmentInfo {
 pub struct MazeInfo {
     /// Environment id, as in records.
     pub id: String,
-    /// A square of `#` (wall), `.` (free) and `S` (free, the start), spread over [-1, 1]²: the row of a cell goes with
-    /// the first coordinate of a goal, its column with the second.
+    /// A square of `#` (wall), `.` (free) and `S` (free, the start), spread over [-1, 1]²: the row of a cell
+    /// goes with the first coordinate of a goal, its column with the second.
     pub grid: Vec<String>,
 }
 
@@ -42,7 +42,8 @@ impl MazeInfo {
         self.grid.get(row).and_then(|line| line.chars().nth(column)).unwrap_or('#')
     }
 
-    /// Row and column of the cell that holds a goal `[2]`; goals beyond the border belong to the nearest cell.
+    /// Row and column of the cell that holds a goal `[2]`; goals beyond the border belong to the nearest
+    /// cell.
     pub fn cell_of(&self, goal: [f32; 2]) -> (usize, usize) {
         let side = self.side();
         // A negative number becomes 0 in the cast.

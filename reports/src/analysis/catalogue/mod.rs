@@ -1,7 +1,7 @@
 //! What a report is told: on its own it knows no method, no environment and no claim.
 //!
-//! Whoever asks for a report hands in a [`Catalogue`]. Results can hold more than it names: a method that is not in it
-//! is shown by its id, and environments without an entry are drawn all the same.
+//! Whoever asks for a report hands in a [`Catalogue`]. Results can hold more than it names: a method that is
+//! not in it is shown by its id, and environments without an entry are drawn all the same.
 
 mod environment;
 mod methods;
@@ -37,7 +37,8 @@ impl Catalogue {
         &self.methods
     }
 
-    /// The method of a curriculum id; one that goes by its id, after all others, where the catalogue has none.
+    /// The method of a curriculum id; one that goes by its id, after all others, where the catalogue has
+    /// none.
     pub fn method(&self, id: &str) -> Arc<MethodInfo> {
         let known = self.methods.iter().find(|method| method.id == id);
         known.map_or_else(|| Arc::new(MethodInfo::new(id, id, None)), Arc::clone)

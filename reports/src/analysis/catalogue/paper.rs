@@ -1,7 +1,7 @@
 //! What a report is told about the paper that it sets results against.
 
-/// A paper that compares one method with baselines, as data: what it ran, what it varied, what it claims, and where it
-/// can be read in more than one way.
+/// A paper that compares one method with baselines, as data: what it ran, what it varied, what it claims, and
+/// where it can be read in more than one way.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paper {
     /// The paper's own method, as a curriculum id.
@@ -14,8 +14,8 @@ pub struct Paper {
     pub tasks: Vec<Vec<String>>,
     /// Where it shows its main comparison: `Figures 2 and 6`.
     pub figures: String,
-    /// JSON pointer (RFC 6901) into a run's config: where the settings of its own method stand. Those of other methods
-    /// stand beside them, and everything outside the object around them is no method's.
+    /// JSON pointer (RFC 6901) into a run's config: where the settings of its own method stand. Those of
+    /// other methods stand beside them, and everything outside the object around them is no method's.
     pub settings: String,
     /// The fields that it varies, in the order of its figures.
     pub axes: Vec<Axis>,
@@ -84,8 +84,8 @@ pub enum ClaimKind {
     Values {
         /// [`Axis::id`] of the field.
         axis: &'static str,
-        /// The values that the claim is about, best first: it rests on the first that any run has, the others are shown
-        /// and not tested. Empty: it rests on every value.
+        /// The values that the claim is about, best first: it rests on the first that any run has, the others
+        /// are shown and not tested. Empty: it rests on every value.
         about: &'static [&'static str],
         /// When it counts as confirmed or refuted.
         rule: Rule,

@@ -8,7 +8,8 @@ use crate::analysis::scores;
 use crate::stats::{self, Resampling};
 use crate::store::Run;
 
-/// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an environment.
+/// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an
+/// environment.
 pub const FEWEST_PAIRS: usize = 5;
 
 /// A mean difference of success rates and what it rests on.
@@ -28,7 +29,8 @@ pub struct Effect {
     pub behind: usize,
     /// Pairs in all of them.
     pub pairs: usize,
-    /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the others.
+    /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the
+    /// others.
     pub left_out: usize,
 }
 

@@ -1,9 +1,10 @@
 //! The claims of a paper as testable statements, each with a verdict on the data at hand.
 //!
 //! Finished runs of the same evaluations are compared, paired by seed, by the exact sign-flip test
-//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the interval that
-//! inverts the test: what lies outside is refused. Where a claim (or a family of claims of one kind) looks at several
-//! intervals, each is widened by Bonferroni's correction, so that all of them together keep the confidence.
+//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the
+//! interval that inverts the test: what lies outside is refused. Where a claim (or a family of claims of one
+//! kind) looks at several intervals, each is widened by Bonferroni's correction, so that all of them together
+//! keep the confidence.
 
 mod effect;
 mod verdict;
@@ -42,8 +43,8 @@ pub struct LedgerEntry {
     pub evidence: String,
 }
 
-/// The whole ledger: every claim of the catalogue's paper, also those that the data say nothing about. `groups` come in
-/// order.
+/// The whole ledger: every claim of the catalogue's paper, also those that the data say nothing about.
+/// `groups` come in order.
 pub fn ledger(
     groups: &[Group<'_>],
     catalogue: &Catalogue,
@@ -80,7 +81,8 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// The paper's method against each of its baselines, in every environment that has both with default settings.
+    /// The paper's method against each of its baselines, in every environment that has both with default
+    /// settings.
     fn above_baselines(&self, claim: &Claim, measure: Measure) -> Vec<LedgerEntry> {
         let paper = &self.catalogue.paper;
         let resampling = corrected(self.resampling, paper.baselines.len());
@@ -147,8 +149,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Every value but the reference with its pairs: first those that come to the same as the reference, which can be
-    /// neither above nor below it, then the others.
+    /// Every value but the reference with its pairs: first those that come to the same as the reference,
+    /// which can be neither above nor below it, then the others.
     fn candidates(
         &self,
         ablations: &[Ablation<'_>],
@@ -190,8 +192,8 @@ impl Judge<'_> {
     }
 }
 
-/// The values of all ablations but the reference, in order of appearance, and the one that the claim is `about`, also
-/// where it is in no ablation.
+/// The values of all ablations but the reference, in order of appearance, and the one that the claim is
+/// `about`, also where it is in no ablation.
 fn values(ablations: &[Ablation<'_>], reference: &str, about: Option<&str>) -> Vec<String> {
     let mut values: Vec<String> = Vec::new();
     let levels = ablations.iter().flat_map(|ablation| &ablation.levels).map(Level::text);

@@ -28,7 +28,8 @@ impl Verdict {
 /// Differences smaller than this make no difference: success rates, a tenth of the range.
 pub const MARGIN: f64 = 0.1;
 
-/// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds for one.
+/// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds
+/// for one.
 pub(super) type Interval = Option<(f64, f64)>;
 
 /// "A is above B".
@@ -116,16 +117,16 @@ fn some_above(intervals: &[Interval]) -> Verdict {
     }
 }
 
-/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all that have
-/// one.
+/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all
+/// that have one.
 fn best_supported(effect: &Effect) -> f64 {
     effect
         .interval
         .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
 }
 
-/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper end of the
-/// interval.
+/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper
+/// end of the interval.
 fn highest(effect: &Effect) -> f64 {
     let Some((low, high)) = effect.interval else {
         return effect.difference.map_or(-8.0, |difference| difference - 4.0);
@@ -133,8 +134,8 @@ fn highest(effect: &Effect) -> f64 {
     if low > 0.0 { 4.0 + low } else { high }
 }
 
-/// How far from "no difference": first those wholly outside the margin by how far they are, then the others by the end
-/// of the interval that is farther from 0.
+/// How far from "no difference": first those wholly outside the margin by how far they are, then the others
+/// by the end of the interval that is farther from 0.
 fn farthest(effect: &Effect) -> f64 {
     let Some((low, high)) = effect.interval else {
         return effect.difference.map_or(-8.0, |difference| difference.abs() - 4.0);

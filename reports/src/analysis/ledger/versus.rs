@@ -23,8 +23,8 @@ pub(crate) struct Above<'a> {
 }
 
 impl Above<'_> {
-    /// The claim on `pairs` of the method with the baseline, one per environment. `resampling` holds the coverage after
-    /// correction; final scores average `window` evaluations.
+    /// The claim on `pairs` of the method with the baseline, one per environment. `resampling` holds the
+    /// coverage after correction; final scores average `window` evaluations.
     pub(crate) fn judge(&self, pairs: &[Pair<'_>], window: usize, resampling: Resampling) -> LedgerEntry {
         let Self { claim, measure, baseline, title } = *self;
         let effect = effect::effect(pairs, measure, window, resampling);

@@ -3,8 +3,8 @@
 use super::{Reading, Varied};
 use crate::analysis::ledger::{LedgerEntry, Verdict};
 
-/// `the same under all 4 readings: confirmed`, or what the verdict is under which: named by the value of a single choice
-/// where that decides, otherwise by the numbers of the readings.
+/// `the same under all 4 readings: confirmed`, or what the verdict is under which: named by the value of a
+/// single choice where that decides, otherwise by the numbers of the readings.
 pub(super) fn conclusion(readings: &[Reading], judged: &[(usize, LedgerEntry)], baseline: &str) -> String {
     let verdicts: Vec<(usize, Verdict)> =
         judged.iter().map(|(number, entry)| (*number, entry.verdict)).collect();

@@ -1,15 +1,16 @@
 //! Does a verdict hang on how the paper is read?
 //!
-//! Where a paper allows several readings, each is a setting ([`ReadingChoice`]). A *reading* is a combination of their
-//! values that the paper's method was run with. The method under each reading is set against the runs of a baseline that agree with it in
-//! everything outside the settings of methods, with the measure, the test and the rule of the ledger's main claims.
+//! Where a paper allows several readings, each is a setting ([`ReadingChoice`]). A *reading* is a combination
+//! of their values that the paper's method was run with. The method under each reading is set against the
+//! runs of a baseline that agree with it in everything outside the settings of methods, with the measure, the
+//! test and the rule of the ledger's main claims.
 //!
-//! Readings that agree in all other settings are a *family*, and every family of at least two is judged: those at one
-//! value of a field that the paper varies apart from those at another. Other values of such a field are no readings: the
-//! paper fixes these settings, or varies them itself.
+//! Readings that agree in all other settings are a *family*, and every family of at least two is judged:
+//! those at one value of a field that the paper varies apart from those at another. Other values of such a
+//! field are no readings: the paper fixes these settings, or varies them itself.
 //!
-//! All readings of a family are judged in the same environments, so that nothing but the reading differs: of the
-//! environments, those with the largest set of readings.
+//! All readings of a family are judged in the same environments, so that nothing but the reading differs: of
+//! the environments, those with the largest set of readings.
 
 mod conclusion;
 mod places;
@@ -24,14 +25,15 @@ use crate::stats::Resampling;
 use conclusion::{conclusion, setting};
 use places::{Candidates, Place};
 
-/// The value of every choice as text, in the order of the paper's choices; `None` where a config lacks the field.
+/// The value of every choice as text, in the order of the paper's choices; `None` where a config lacks the
+/// field.
 type Values = Vec<Option<String>>;
 
 /// A reading under which the paper's method was run, and those that come to the same in the method.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// Values of the choices; first those that the reading is named after, then those with the same runs, evaluation
-    /// by evaluation.
+    /// Values of the choices; first those that the reading is named after, then those with the same runs,
+    /// evaluation by evaluation.
     values: Vec<Values>,
     /// The choices that vary among the readings at hand.
     varied: Vec<Varied>,
@@ -57,10 +59,11 @@ impl Reading {
 /// A claim under every reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedClaim {
-    /// The number of each reading, from 1 and the same for all claims of the family, with its verdict. Readings without
-    /// runs of the baseline are left out; there are at least two.
+    /// The number of each reading, from 1 and the same for all claims of the family, with its verdict.
+    /// Readings without runs of the baseline are left out; there are at least two.
     pub judged: Vec<(usize, LedgerEntry)>,
-    /// Whether the verdict is the same under all of them, and under which it is what: `hangs on the reading: ...`.
+    /// Whether the verdict is the same under all of them, and under which it is what: `hangs on the reading:
+    /// ...`.
     pub conclusion: String,
 }
 
@@ -74,7 +77,8 @@ impl JudgedClaim {
 /// The readings that the method was run with under the same other settings, and all claims under all of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadingFamily {
-    /// What these other settings have apart from the method's default ones: `Δ = 10`; empty for the default ones.
+    /// What these other settings have apart from the method's default ones: `Δ = 10`; empty for the default
+    /// ones.
     pub name: String,
     /// The readings, in the order of their groups; at least two.
     pub readings: Vec<Reading>,
@@ -97,7 +101,8 @@ impl ReadingFamily {
         (!self.name.is_empty()).then(|| format!("at {}", self.name))
     }
 
-    /// Judges every claim under every reading; `None` where there are not two readings, or no claim about them.
+    /// Judges every claim under every reading; `None` where there are not two readings, or no claim about
+    /// them.
     fn of(
         groups: &[Group<'_>],
         catalogue: &Catalogue,
@@ -135,8 +140,8 @@ pub struct Readings {
 }
 
 impl Readings {
-    /// Judges every claim under every reading of every family; `groups` come in order. Final scores average `window`
-    /// evaluations.
+    /// Judges every claim under every reading of every family; `groups` come in order. Final scores average
+    /// `window` evaluations.
     pub fn of(groups: &[Group<'_>], catalogue: &Catalogue, window: usize, resampling: Resampling) -> Self {
         let family = |candidates| ReadingFamily::of(groups, catalogue, candidates, window, resampling);
         let candidates = places::candidates(groups, &catalogue.paper);
@@ -144,8 +149,8 @@ impl Readings {
     }
 }
 
-/// The largest set of readings that an environment has, of equals the one that most environments have, and these
-/// environments; `None` for fewer than two readings.
+/// The largest set of readings that an environment has, of equals the one that most environments have, and
+/// these environments; `None` for fewer than two readings.
 fn shared<'a>(
     groups: &[Group<'_>],
     paper: &Paper,
@@ -182,7 +187,8 @@ fn is_same(groups: &[Group<'_>], outer: &str, shared: &[&Place], a: &Values, b: 
     })
 }
 
-/// The config of a group without the settings of methods, which stand at the pointer `outer`; `None` without a run.
+/// The config of a group without the settings of methods, which stand at the pointer `outer`; `None` without
+/// a run.
 fn outside(group: &Group<'_>, outer: &str) -> Option<Value> {
     let mut config = group.runs.first()?.manifest.config.clone();
     if let Some(methods) = config.pointer_mut(outer) {

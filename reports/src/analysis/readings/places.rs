@@ -1,4 +1,5 @@
-//! Which groups of the paper's method are readings of one another, and which of them go together over environments.
+//! Which groups of the paper's method are readings of one another, and which of them go together over
+//! environments.
 
 use std::collections::BTreeMap;
 
@@ -38,16 +39,17 @@ pub(super) struct Candidates {
     pub(super) places: Vec<Place>,
 }
 
-/// What the places of a family agree in: the curriculum's settings, and the others as far as they are not those of the
-/// first place of their environment. Environments may thus differ in budget or evaluation.
+/// What the places of a family agree in: the curriculum's settings, and the others as far as they are not
+/// those of the first place of their environment. Environments may thus differ in budget or evaluation.
 #[derive(PartialEq)]
 struct Settings {
     curriculum: Leaves,
     outside: Vec<String>,
 }
 
-/// All candidates: first those of the method's default settings, then in the order of `groups`, which come in order. The
-/// default settings are those of the first group called `default`, without one those of the method's first group.
+/// All candidates: first those of the method's default settings, then in the order of `groups`, which come in
+/// order. The default settings are those of the first group called `default`, without one those of the
+/// method's first group.
 pub(super) fn candidates(groups: &[Group<'_>], paper: &Paper) -> Vec<Candidates> {
     let places = places(groups, paper);
     let is_default =
@@ -131,8 +133,8 @@ fn collect(pointer: &str, value: &Value, leaves: &mut Leaves) {
     }
 }
 
-/// `Δ = 10`, `student.width = 64`: the settings of `config` that `reference` has otherwise or not at all, and as `not
-/// set` those that it alone has.
+/// `Δ = 10`, `student.width = 64`: the settings of `config` that `reference` has otherwise or not at all, and
+/// as `not set` those that it alone has.
 fn differences(config: &Leaves, reference: &Leaves, paper: &Paper) -> Vec<String> {
     let others = config.iter().filter(|(pointer, value)| reference.get(*pointer) != Some(*value));
     let lacking = reference.keys().filter(|pointer| !config.contains_key(*pointer));

@@ -10,8 +10,8 @@ use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use crate::stats::Resampling;
 
-/// A figure of the sample-efficiency curves of all methods over `environments` environments, as SVG. `keys` are those
-/// of the whole report, which settle the looks.
+/// A figure of the sample-efficiency curves of all methods over `environments` environments, as SVG. `keys`
+/// are those of the whole report, which settle the looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.

@@ -50,8 +50,8 @@ struct Forest {
     caption: String,
 }
 
-/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which settle
-/// the looks.
+/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which
+/// settle the looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.

@@ -1,4 +1,5 @@
-//! Heat maps of mazes: a row per method, where its teacher sent the student beside where the student succeeded.
+//! Heat maps of mazes: a row per method, where its teacher sent the student beside where the student
+//! succeeded.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -29,8 +30,8 @@ const WALL: RGBColor = RGBColor(120, 120, 120);
 /// A free cell that too few goals lay in, where rates are shown.
 const UNSEEN: RGBColor = RGBColor(255, 255, 255);
 
-/// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the colours of
-/// viridis, by Smith and van der Walt 2015, from its light end).
+/// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the
+/// colours of viridis, by Smith and van der Walt 2015, from its light end).
 const SCALE: [(u8, u8, u8); 6] =
     [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84)];
 

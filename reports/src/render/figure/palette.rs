@@ -4,7 +4,8 @@ use crate::analysis::group::GroupKey;
 use looks::colours::{GREY, ORANGE, SKY_BLUE};
 use looks::{Dash, Look, Marker, Rgb};
 
-/// Looks of curricula without one of their own, taken in the order of legends and reused from the start when used up.
+/// Looks of curricula without one of their own, taken in the order of legends and reused from the start when
+/// used up.
 pub static FALLBACK: &[Look] = &[
     Look::new(ORANGE, Dash::Solid, Marker::Square),
     Look::new(SKY_BLUE, Dash::Long, Marker::Triangle),
@@ -22,8 +23,8 @@ const MARKERS: [Marker; 6] =
 const DARKEST: f64 = 0.45;
 const LIGHTEST: f64 = 0.45;
 
-/// The looks of all curves of a report: one hue per curriculum, and for its variants shades from dark to light
-/// with dashes and markers of their own.
+/// The looks of all curves of a report: one hue per curriculum, and for its variants shades from dark to
+/// light with dashes and markers of their own.
 #[derive(Debug)]
 pub(super) struct Palette<'a> {
     /// One key for each curriculum and variant, in their order; the environment means nothing here.
@@ -38,7 +39,8 @@ impl<'a> Palette<'a> {
         Self::around(keys, "default")
     }
 
-    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other has.
+    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other
+    /// has.
     pub(super) fn around(keys: impl IntoIterator<Item = &'a GroupKey>, plain: &'a str) -> Self {
         let mut methods: Vec<&GroupKey> = keys.into_iter().collect();
         methods.sort_by(|a, b| a.cmp_method(b));

@@ -10,8 +10,8 @@ use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use crate::stats::Resampling;
 
-/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the whole
-/// report, which settle the looks; `resampling` is how the profiles' intervals were made.
+/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the
+/// whole report, which settle the looks; `resampling` is how the profiles' intervals were made.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.

@@ -6,7 +6,8 @@ use crate::analysis::catalogue::natural_order;
 use crate::render::table::{Align, Table};
 use crate::store::Run;
 
-/// Every setting of the runs' complete configs with the values it has, and in how many runs where there are several.
+/// Every setting of the runs' complete configs with the values it has, and in how many runs where there are
+/// several.
 pub fn settings(runs: &[Run]) -> Table {
     let mut counts = Counts::default();
     for run in runs {

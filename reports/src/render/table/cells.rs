@@ -3,7 +3,8 @@
 /// A cell without a number.
 pub(crate) const UNDEFINED: &str = "–";
 
-/// What captions say of bootstrap intervals over few seeds (measured by `bootstrap_intervals_of_few_seeds_cover_less`).
+/// What captions say of bootstrap intervals over few seeds (measured by
+/// `bootstrap_intervals_of_few_seeds_cover_less`).
 pub(crate) const BOOTSTRAP_COVERAGE: &str =
     "such an interval of a mean of 5 seeds covers about 83 % at a nominal 95 %, of 7 seeds 88 %";
 

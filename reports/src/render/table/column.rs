@@ -1,5 +1,5 @@
-//! A column says everything about itself: name, type and meaning for those who compute with it, and how it is shown to
-//! those who read it.
+//! A column says everything about itself: name, type and meaning for those who compute with it, and how it is
+//! shown to those who read it.
 
 use std::borrow::Cow;
 
@@ -77,8 +77,8 @@ impl<'c, R> Column<'c, R> {
         Self::of(name, meaning, Kind::Real(Box::new(move |row| value(row).into())))
     }
 
-    /// An entry of the data dictionary for columns of real numbers that are known from the results alone: those
-    /// without a meaning of their own.
+    /// An entry of the data dictionary for columns of real numbers that are known from the results alone:
+    /// those without a meaning of their own.
     pub fn several(name: &'static str, meaning: &'static str) -> Self {
         Self::of(name, meaning, Kind::Several)
     }

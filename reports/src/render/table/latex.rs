@@ -10,8 +10,8 @@ const LONGEST_PROSE: usize = 20;
 const PROSE_WIDTH: (f64, f64) = (0.25, 0.6);
 
 impl Table {
-    /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be copied
-    /// into the float that a paper wants.
+    /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be
+    /// copied into the float that a paper wants.
     pub fn latex(&self) -> String {
         let has_prose = (0..self.columns.len()).any(|column| self.is_prose(column));
         let is_long = self.rows.len() > if has_prose { LONGEST_PROSE } else { LONGEST };

@@ -1,5 +1,5 @@
-//! One table in Markdown and HTML, and [in LaTeX](super::latex). Names in it are plain text: each markup escapes them
-//! its own way.
+//! One table in Markdown and HTML, and [in LaTeX](super::latex). Names in it are plain text: each markup
+//! escapes them its own way.
 
 /// How the cells of a column are set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +82,8 @@ impl Table {
         text
     }
 
-    /// Whether a column holds prose, which may be broken into lines: a text longer than [`LONGEST_NAME`] characters.
+    /// Whether a column holds prose, which may be broken into lines: a text longer than [`LONGEST_NAME`]
+    /// characters.
     pub(super) fn is_prose(&self, column: usize) -> bool {
         let is_long = |row: &Vec<String>| row[column].chars().count() > LONGEST_NAME;
         self.columns[column].1 == Align::Text && self.rows.iter().any(is_long)

@@ -6,11 +6,13 @@
 //! use reports::render::table::{Column, Sheet};
 //!
 //! let columns = [
-//!     Column::text("name", "name of the run", |row: &(&str, f64)| row.0.to_owned()).named("Name", |row| row.0.to_owned()),
-//!     Column::real("hours", "hours that it took", |row: &(&str, f64)| row.1).shown("Hours", |row| format!("{:.1}", row.1)),
+//!     Column::text("name", "name of the run", |row: &(&str, f64)| row.0.to_owned())
+//!         .named("Name", |row| row.0.to_owned()),
+//!     Column::real("hours", "hours that it took", |row: &(&str, f64)| row.1)
+//!         .shown("Hours", |row| format!("{:.2}", row.1)),
 //! ];
 //! let sheet = Sheet::of("How long it took.".to_owned(), &[("a", 1.25), ("b", 0.5)], &columns)?;
-//! assert!(sheet.table.markdown().ends_with("| Name | Hours |\n| --- | ---: |\n| a | 1.2 |\n| b | 0.5 |\n"));
+//! assert!(sheet.table.markdown().ends_with("| Name | Hours |\n| --- | ---: |\n| a | 1.25 |\n| b | 0.50 |\n"));
 //! assert_eq!(reports::render::table::csv(sheet.data)?, b"name,hours\na,1.25\nb,0.5\n");
 //! # Ok::<(), reports::ReportError>(())
 //! ```
