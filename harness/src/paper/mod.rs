@@ -117,7 +117,7 @@ pub fn paper() -> Paper {
 
 #[cfg(test)]
 mod tests {
-    use looks::Rgb;
+    use looks::{Dash, Look, Marker, Rgb};
     use reports::analysis::catalogue::ClaimKind;
     use reports::render::figure::FALLBACK;
 
@@ -148,6 +148,18 @@ mod tests {
             assert!(looks.iter().all(|(_, look)| look != free), "a free look is nobody's");
             assert!(!FALLBACK[..i].contains(free));
         }
+    }
+
+    #[test]
+    fn a_method_from_outside_brings_its_title_and_its_look() {
+        let builtin = Registry::builtin();
+        let look = Look::new((1, 2, 3), Dash::Solid, Marker::Cross);
+        let own = Entry { id: "mine", title: "Mine", look: Some(look), ..builtin.curricula()[0] };
+        let catalogue = catalogue(&builtin.with_curriculum(own));
+        let (mine, last) = (catalogue.method("mine"), catalogue.method(CONTROL));
+        assert_eq!((mine.title.as_str(), mine.look), ("Mine", Some(look)));
+        assert!(catalogue.method(METHOD) < last && last < mine, "after those of the paper");
+        assert!(mine < catalogue.method("unknown"));
     }
 
     #[test]

@@ -180,7 +180,7 @@ mod tests {
         let aggregates = shared.aggregates(Resampling { resamples: 100, ..Resampling::default() });
         let methods: Vec<&str> = aggregates.iter().map(|a| a.method.curriculum.id.as_str()).collect();
         assert_eq!(methods, ["first", "second"]);
-        // By hand, for teach: mean of 0.3 and 0.7; of 0.2, 0.4, 0.6, 0.8 the middle two; gap 1 - 0.5.
+        // By hand, for the first: mean of 0.3 and 0.7; of 0.2, 0.4, 0.6, 0.8 the middle two; gap 1 - 0.5.
         assert!((aggregates[0].mean - 0.5).abs() < 1e-12);
         assert!((aggregates[0].iqm - 0.5).abs() < 1e-12);
         assert!((aggregates[0].optimality_gap - 0.5).abs() < 1e-12);

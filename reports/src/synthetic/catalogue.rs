@@ -35,44 +35,47 @@ const TASKS: [&[&str]; 11] = [
     &["ClawManipulateEgg", "ClawManipulateEggRotate"],
 ];
 
-/// Its claims.
+/// Its claims: that it ends higher and learns faster, and one about each field that it varies.
 const CLAIMS: [Claim; 5] = [
-    Claim {
-        id: "final",
-        source: FIGURES,
-        statement: "NOVA reaches a higher final success than {baseline} on average over environments",
-        kind: ClaimKind::AboveBaselines(Measure::Final),
-    },
-    Claim {
-        id: "area",
-        source: FIGURES,
-        statement: "NOVA learns faster than {baseline} on average over environments: more area under its learning curve",
-        kind: ClaimKind::AboveBaselines(Measure::Area),
-    },
-    Claim {
-        id: "target-confidence",
-        source: "Figure 3",
-        statement: "Confidence of the smooth value function (the target critic) gives no better final success than that \
-                    of the online networks",
-        kind: ClaimKind::Values {
-            axis: "confidence",
-            about: &["target-critic", "target"],
-            rule: Rule::NotAbove,
-        },
-    },
-    Claim {
-        id: "window",
-        source: "Figure 4",
-        statement: "Final success does not depend on the window n (each value against n = 10)",
-        kind: ClaimKind::Values { axis: "window", about: &[], rule: Rule::Equivalent },
-    },
-    Claim {
-        id: "interplay",
-        source: "Figure 5",
-        statement: "A larger Δ can help: some Δ > 1 gives a higher final success than Δ = 1",
-        kind: ClaimKind::Values { axis: "interplay", about: &[], rule: Rule::SomeAbove },
-    },
+    above(
+        "final",
+        Measure::Final,
+        "NOVA reaches a higher final success than {baseline} on average over environments",
+    ),
+    above(
+        "area",
+        Measure::Area,
+        "NOVA learns faster than {baseline} on average over environments: more area under its learning curve",
+    ),
+    values(
+        ("target-confidence", "Figure 3"),
+        ("confidence", &["target-critic", "target"], Rule::NotAbove),
+        "Confidence of the smooth value function (the target critic) gives no better final success than that of the \
+         online networks",
+    ),
+    values(
+        ("window", "Figure 4"),
+        ("window", &[], Rule::Equivalent),
+        "Final success does not depend on the window n (each value against n = 10)",
+    ),
+    values(
+        ("interplay", "Figure 5"),
+        ("interplay", &[], Rule::SomeAbove),
+        "A larger Δ can help: some Δ > 1 gives a higher final success than Δ = 1",
+    ),
 ];
+
+const fn above(id: &'static str, measure: Measure, statement: &'static str) -> Claim {
+    Claim { id, source: FIGURES, statement, kind: ClaimKind::AboveBaselines(measure) }
+}
+
+const fn values(
+    (id, source): (&'static str, &'static str),
+    (axis, about, rule): (&'static str, &'static [&'static str], Rule),
+    statement: &'static str,
+) -> Claim {
+    Claim { id, source, statement, kind: ClaimKind::Values { axis, about, rule } }
+}
 
 const CHOICES: [ReadingChoice; 4] = [
     ReadingChoice { name: "states", pointer: "/curriculum/nova/states" },
