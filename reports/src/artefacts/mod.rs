@@ -173,3 +173,24 @@ impl Artefact {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_sections_are_clear() {
+        let is_table = |row: &Artefact| matches!(row.content, Content::Table { .. });
+        for (index, row) in ARTEFACTS.iter().enumerate() {
+            for other in &ARTEFACTS[..index] {
+                let same_kind = is_table(row) == is_table(other);
+                assert!(!same_kind || row.id != other.id, "two files would be called {}", row.id);
+                if let (Section::Named { id, title }, Section::Named { id: other, title: other_title }) =
+                    (row.section, other.section)
+                {
+                    assert_eq!(id == other, title == other_title, "{id}: one heading for one anchor");
+                }
+            }
+        }
+    }
+}

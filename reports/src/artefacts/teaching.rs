@@ -1,7 +1,7 @@
 //! What teachers picked.
 
 use super::{Artefact, Repeated, Section, columns};
-use crate::analysis::teaching::PickSummary;
+use crate::analysis::teaching::{PICKED_GOALS, PickSummary};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::cells::{UNDEFINED, decimal, or_undefined};
@@ -18,43 +18,42 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 }
 
 fn columns() -> [Column<'static, PickSummary>; 9] {
-    let tenth = |mean| or_undefined(mean, |mean: f64| format!("{mean:.1}"));
-    let number = |mean| or_undefined(mean, decimal);
+    let tenth = |mean: f64| format!("{mean:.1}");
     [
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
         columns::seeds(|row| row.n_seeds),
-        Column::real(
-            "picked_goals",
+        number(
+            PICKED_GOALS,
             "distinct goals of the pool picked since the evaluation before, mean over evaluations and seeds; empty, as are \
              the following, where no teacher records it",
-            |row: &PickSummary| row.means[0],
         )
-        .shown("Goals picked", move |row| tenth(row.means[0])),
-        Column::real(
-            "effective_picks",
-            "exponential of the entropy of the picks since then; likewise",
-            |row: &PickSummary| row.means[1],
-        )
-        .shown("Effective picks", move |row| tenth(row.means[1])),
-        Column::real("effective_goals", "exponential of the entropy of the curriculum; likewise", |row: &PickSummary| {
-            row.means[2]
-        })
-        .shown("Effective goals", move |row| tenth(row.means[2])),
-        Column::real(
+        .shown("Goals picked", shown(PICKED_GOALS, tenth)),
+        number("effective_picks", "exponential of the entropy of the picks since then; likewise")
+            .shown("Effective picks", shown("effective_picks", tenth)),
+        number("effective_goals", "exponential of the entropy of the curriculum; likewise")
+            .shown("Effective goals", shown("effective_goals", tenth)),
+        number(
             "pick_rank_mean",
             "mean over episodes of the goal's rank (0 for the first) over the highest rank, 0.5 for fair turns; likewise",
-            |row: &PickSummary| row.means[3],
         )
-        .shown("Rank of picks", move |row| number(row.means[3])),
-        Column::real(
+        .shown("Rank of picks", shown("pick_rank_mean", decimal)),
+        number(
             "score_success_correlation",
             "correlation over episodes of the teacher's score of the goal with success at it; likewise",
-            |row: &PickSummary| row.means[4],
         )
-        .shown("Score and success", move |row| number(row.means[4])),
+        .shown("Score and success", shown("score_success_correlation", decimal)),
     ]
+}
+
+/// A number of teachers.
+fn number(name: &'static str, meaning: &'static str) -> Column<'static, PickSummary> {
+    Column::real(name, meaning, move |row: &PickSummary| row.mean(name))
+}
+
+fn shown(name: &'static str, text: fn(f64) -> String) -> impl Fn(&PickSummary) -> String {
+    move |row| or_undefined(row.mean(name), text)
 }
 
 fn caption(analysis: &Analysis<'_>) -> String {
