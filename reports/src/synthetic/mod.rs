@@ -77,8 +77,8 @@ impl Experiment {
         let tasks = tasks.iter().filter_map(|ids| ids.first().cloned());
         let (rooms, others): (Vec<String>, Vec<String>) = tasks.partition(|id| id.starts_with("Room"));
         let two = rooms[..2].to_vec();
-        let windows = ["window=3", "window=3,confidence=target-critic", "window=5", "window=20"];
-        let interplays = ["interplay=2", "interplay=5", "interplay=10", "interplay=50"];
+        let windows = ["n=3", "n=3,confidence=target-critic", "n=5", "n=20"];
+        let interplays = ["delta=2", "delta=5", "delta=10", "delta=50"];
         let readings =
             ["selection=argmax", "states=replay", "selection=argmax,goals=pool", "states=replay,goals=pool"];
         let main = Self::default();
@@ -230,7 +230,7 @@ fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
     }
 }
 
-/// The value of `name` in a variant's label: `window=3,confidence=target-critic`, `interplay=5`,
+/// The value of `name` in a variant's label: `n=3,confidence=target-critic`, `delta=5`,
 /// `states=replay,goals=pool`.
 fn setting<'a>(variant: &'a str, name: &str) -> Option<&'a str> {
     let pairs = variant.split(',').filter_map(|setting| setting.split_once('='));
@@ -243,8 +243,8 @@ fn settings(variant: &str) -> Value {
         |name, default: u64| setting(variant, name).and_then(|value| value.parse().ok()).unwrap_or(default);
     let text = |name, default| setting(variant, name).unwrap_or(default);
     json!({
-        "window": number("window", 10),
-        "interplay": number("interplay", 1),
+        "window": number("n", 10),
+        "interplay": number("delta", 1),
         "confidence": text("confidence", "online"),
         "states": text("states", "reference"),
         "selection": text("selection", "proportional"),

@@ -93,9 +93,9 @@ pub(crate) fn every_kind() -> TempDir {
     let environments = ["RoomA", "RoomB"].map(String::from).to_vec();
     for (seed, curricula, variants) in [
         (0, vec!["nova", "wren", "dull"], vec!["default"]),
-        (1, vec!["nova"], vec!["window=3", "window=3,confidence=target-critic", "interplay=5"]),
+        (1, vec!["nova"], vec!["n=3", "n=3,confidence=target-critic", "delta=5"]),
         // Readings of the paper, two at each Δ.
-        (2, vec!["nova"], vec!["selection=argmax", "interplay=5,record=evaluation"]),
+        (2, vec!["nova"], vec!["selection=argmax", "delta=5,record=evaluation"]),
     ] {
         let experiment = Experiment {
             environments: environments.clone(),
