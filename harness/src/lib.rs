@@ -12,6 +12,7 @@ pub mod config;
 pub mod error;
 pub mod estimate;
 pub mod merge;
+pub mod paper;
 pub mod profile;
 pub mod protocol;
 mod registry;

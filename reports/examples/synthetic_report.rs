@@ -1,16 +1,15 @@
 //! Makes up results and reports them: `cargo run --release -p reports --example synthetic_report -- FOLDER`.
 //!
-//! The folder gets results of the size of the whole paper, ablations included, with their report; the seconds and the
+//! The folder gets results of the size of a whole paper, ablations included, with their report; the seconds and the
 //! memory that the report took are printed.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use reports::ReportError;
-use reports::environment::MazeInfo;
-use reports::report::{self, Options, Written};
-use reports::synthetic::Experiment;
+use reports::analysis::catalogue::MazeInfo;
+use reports::synthetic::{self, Experiment};
+use reports::{ReportError, ReportOptions, Written};
 
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
 fn main() -> ExitCode {
@@ -49,6 +48,7 @@ fn write(results: &std::path::Path) -> Result<Written, ReportError> {
     let mut grid: Vec<String> = (0..13).map(|row| line(row).to_owned()).collect();
     grid[1].replace_range(1..2, "S");
     let maze = |id: &str| MazeInfo { id: id.to_owned(), grid: grid.clone() };
-    let options = Options { mazes: ["MazeA", "MazeB", "MazeC"].map(maze).to_vec(), ..Options::default() };
-    report::write(results, &options)
+    let mut catalogue = synthetic::catalogue();
+    catalogue.mazes = ["RoomA", "RoomB", "RoomC"].map(maze).to_vec();
+    reports::write(results, &ReportOptions { catalogue, ..ReportOptions::default() })
 }

@@ -1,11 +1,13 @@
 //! What stops a report from being made.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use crate::store::problem::Problem;
 
-/// Errors of this crate. What is wrong with single files of a results folder is a [`Problem`] instead: it is
-/// reported beside the figures and never stops them.
+/// Errors of this crate. What failed below is an error's source, and no part of its text. What is wrong with
+/// single files of a results folder is a [`Problem`] instead: it is reported beside the figures and never
+/// stops them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -36,7 +38,7 @@ pub enum ReportError {
     /// An option outside its range.
     #[error("option {option} is {value}; expected {accepted}")]
     Option {
-        /// Name of the field of [`Options`](crate::report::Options).
+        /// Name of the field of [`Options`](crate::ReportOptions).
         option: &'static str,
         /// The value given.
         value: String,
@@ -44,30 +46,40 @@ pub enum ReportError {
         accepted: &'static str,
     },
     /// A folder or file that cannot be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: cannot {action}")]
     Io {
         /// The folder or file.
         path: PathBuf,
+        /// What was tried, as in `write this file`.
+        action: &'static str,
         /// What the system said.
         source: std::io::Error,
     },
     /// A data frame could not be built or written.
-    #[error("data frame: {0}")]
+    #[error("cannot hold a table's data")]
     Frame(#[from] polars::error::PolarsError),
     /// A figure could not be drawn.
-    #[error("figure {figure}: {reason}")]
+    #[error("cannot draw {figure}")]
     Figure {
-        /// Which figure.
+        /// Which figure, or which part of one.
         figure: String,
         /// What failed.
-        reason: String,
+        source: Box<dyn Error + Send + Sync>,
     },
 }
 
 impl ReportError {
     /// For `map_err` on file operations at `path`.
-    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
+    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self + use<> {
         let path = path.to_owned();
-        move |source| Self::Io { path, source }
+        move |source| Self::Io { path, action, source }
+    }
+
+    /// For `map_err` on drawing `figure`, or a part of one.
+    pub(crate) fn figure<E: Into<Box<dyn Error + Send + Sync>>>(
+        figure: &str,
+    ) -> impl FnOnce(E) -> Self + use<E> {
+        let figure = figure.to_owned();
+        move |source| Self::Figure { figure, source: source.into() }
     }
 }

@@ -1,34 +1,29 @@
 //! Records, their store, statistics, figures and tables.
 //!
-//! This crate owns the record schema ([`record`]) and knows nothing of environments or students, so that
-//! figures can be redrawn without MuJoCo or libtorch. [`report::write`] turns a results folder into a report:
+//! This crate owns the record schema ([`schema`]) and knows nothing of environments or students, so that
+//! figures can be redrawn without MuJoCo or libtorch. Nor does it know of methods or of a paper: that is
+//! handed in as a [`Catalogue`]. [`write`] turns a results folder into a report:
 //!
 //! ```text
-//! runs/ --Store::read--> runs --groups--> one group per curve --Curve::of-------> learning curves, ablations
-//!                                                             --Row::of---------> summary, what teachers picked
-//!                                      --comparable--> groups --Finals::of------> comparisons, sums over environments
-//!                                                             --ledger----------> verdicts on the paper's claims
-//!                                                             --Readings::of----> the same under every reading of it
-//!       --store::teaching--> what teachers did                --HeatMap::of-----> heat maps of mazes
+//! runs/ --store--> runs --analysis (with stats)--> numbers --artefacts (with render)--> report/
 //! ```
 //!
-//! A report is figures, tables, tidy data and one page that shows them all.
+//! Each part knows those before it alone: `schema`, `store`, `stats`, `analysis`, `render`, `artefacts`. What
+//! a report shows is the table [`artefacts::ARTEFACTS`].
 //!
-//! It never prints: what is wrong with single files comes back as [`problem::Problem`]s.
+//! The crate never prints: what is wrong with single files comes back as [`store::problem::Problem`]s.
 
 pub mod analysis;
-pub mod deviations;
-pub mod dictionary;
-pub mod environment;
+pub mod artefacts;
 pub mod error;
 pub mod gate;
-pub mod methods;
-pub mod paper;
 pub mod render;
-pub mod report;
 pub mod schema;
 pub mod stats;
 pub mod store;
 pub mod synthetic;
 
+pub use analysis::catalogue::Catalogue;
+pub use analysis::options::ReportOptions;
+pub use artefacts::{Written, write};
 pub use error::ReportError;

@@ -82,12 +82,6 @@ pub fn foreign(baseline: &Baseline) -> Vec<String> {
     notes
 }
 
-/// Ids and titles of curricula in the order of figures.
-pub fn titles() -> Vec<(String, String)> {
-    let title = |method: &reports::methods::Method| (method.id.to_owned(), method.title.to_owned());
-    reports::methods::METHODS.iter().map(title).collect()
-}
-
 /// Model of this machine's processor.
 fn cpu() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

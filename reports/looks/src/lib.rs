@@ -1,12 +1,13 @@
 //! How the curves of a method are drawn: colour, dashes and marker.
 //!
-//! A crate of its own, so that a method can carry its look without knowing of figures, and figures can draw it without
-//! knowing of methods.
+//! A crate of its own, so that a method can carry its look without knowing of figures, and figures can draw
+//! it without knowing of methods.
 
 /// Red, green, blue.
 pub type Rgb = (u8, u8, u8);
 
-/// How a curve is drawn. Colour, dashes and marker each tell methods apart, so that figures can be read in grey.
+/// How a curve is drawn. Colour, dashes and marker each tell methods apart, so that figures can be read in
+/// grey.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     /// Colour of line, marker and band.
@@ -58,7 +59,8 @@ impl Look {
     }
 }
 
-/// Colours that can be told apart with all common forms of colour blindness: Okabe and Ito, "Color Universal Design" (2008).
+/// Colours that can be told apart with all common forms of colour blindness: Okabe and Ito, "Color Universal
+/// Design" (2008).
 pub mod colours {
     use super::Rgb;
 

@@ -1,65 +1,16 @@
-//! The paper's ablations, found in what runs were configured with: variants of TEACH that differ in one field alone.
+//! A paper's ablations, found in what runs were configured with: variants of a method that differ in one
+//! field alone.
 
 use serde_json::Value;
 
+use crate::analysis::catalogue::Axis;
 use crate::analysis::group::Group;
-
-/// A field of TEACH's config that the paper varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Axis {
-    /// Short name, for files and claims.
-    pub id: &'static str,
-    /// Figure of the paper that varies it.
-    pub figure: u32,
-    /// JSON pointer (RFC 6901) into a run's config.
-    pub pointer: &'static str,
-    /// Title of its figures.
-    pub title: &'static str,
-    /// What stands before a value: `n = 3`.
-    pub symbol: &'static str,
-    /// The paper's own value as text, which the others are compared with.
-    pub reference: &'static str,
-}
-
-/// Whose confidence the teacher asks: the online networks (`online`), the target critic about the online policy's
-/// actions (`target-critic`, which section 5.4 and Eq. 12 speak of), or target critic and target policy (`target`).
-pub static CONFIDENCE: Axis = Axis {
-    id: "confidence",
-    figure: 3,
-    pointer: "/curriculum/teach/confidence",
-    title: "confidence of online networks, or smoothed by target networks",
-    symbol: "confidence",
-    reference: "online",
-};
-
-/// How many evaluations of the pool a variance is taken over.
-pub static WINDOW: Axis = Axis {
-    id: "window",
-    figure: 4,
-    pointer: "/curriculum/teach/window",
-    title: "temporal window n",
-    symbol: "n",
-    reference: "10",
-};
-
-/// How many episodes pass between evaluations of the pool.
-pub static INTERPLAY: Axis = Axis {
-    id: "interplay",
-    figure: 5,
-    pointer: "/curriculum/teach/interplay",
-    title: "interplay frequency Δ",
-    symbol: "Δ",
-    reference: "1",
-};
-
-/// Figures 3 to 5 of the paper.
-pub static AXES: [&Axis; 3] = [&CONFIDENCE, &WINDOW, &INTERPLAY];
 
 /// The groups of one environment whose configs differ in the field of an axis alone.
 #[derive(Clone, Debug)]
 pub struct Ablation<'a> {
     /// What is varied.
-    pub axis: &'static Axis,
+    pub axis: &'a Axis,
     /// Value of the field and the index of its group, by rising value; at least two.
     pub levels: Vec<Level<'a>>,
 }
@@ -86,14 +37,14 @@ pub fn text(value: &Value) -> String {
 }
 
 /// All ablations along `axis`, by environment; `groups` come in order.
-pub fn ablations<'a>(groups: &[Group<'a>], axis: &'static Axis) -> Vec<Ablation<'a>> {
+pub fn ablations<'a>(groups: &[Group<'a>], axis: &'a Axis) -> Vec<Ablation<'a>> {
     let mut found: Vec<(&str, Value, Ablation<'a>)> = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         let Some(run) = group.runs.first() else { continue };
-        let Some(value) = run.manifest.config.pointer(axis.pointer) else { continue };
+        let Some(value) = run.manifest.config.pointer(&axis.pointer) else { continue };
         // What must agree: everything but the field itself.
         let mut rest = run.manifest.config.clone();
-        if let Some(field) = rest.pointer_mut(axis.pointer) {
+        if let Some(field) = rest.pointer_mut(&axis.pointer) {
             *field = Value::Null;
         }
         let environment = run.key().environment.as_str();

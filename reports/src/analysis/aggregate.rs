@@ -1,4 +1,5 @@
-//! Methods summed up over environments (Agarwal et al. 2021, "Deep RL at the Edge of the Statistical Precipice").
+//! Methods summed up over environments (Agarwal et al. 2021, "Deep RL at the Edge of the Statistical
+//! Precipice").
 
 use crate::analysis::finals::Finals;
 use crate::analysis::group::GroupKey;
@@ -11,15 +12,17 @@ const PROFILE_INTERVALS: u32 = 40;
 
 /// Methods and the environments in which all of them have results, with the final scores there.
 ///
-/// Only there can methods be compared: a method that was run on easy environments alone would look good. A method that
-/// was run in few environments would leave few to all others; see [`Shared::of`] for when it is left out instead.
+/// Only there can methods be compared: a method that was run on easy environments alone would look good. A
+/// method that was run in few environments would leave few to all others; see [`Shared::of`] for when it is
+/// left out instead.
 #[derive(Clone, Debug)]
 pub struct Shared<'a> {
     /// Environment ids, in order.
     pub environments: Vec<&'a str>,
     /// Methods that lack so many environments that they are left out. The keys' environment means nothing.
     pub left_out: Vec<&'a GroupKey>,
-    /// Every other method with its final scores, one stratum per environment. The key's environment means nothing.
+    /// Every other method with its final scores, one stratum per environment. The key's environment means
+    /// nothing.
     methods: Vec<(&'a GroupKey, Vec<Vec<f64>>)>,
 }
 
@@ -72,9 +75,9 @@ pub struct Profile<'a> {
 impl<'a> Shared<'a> {
     /// Finds what the methods share; `finals` come sorted by key, those without scores count as absent.
     ///
-    /// Methods are ranked by the number of their environments. Of all ways to keep the first k of them, k at least 2, the
-    /// one with the most scores is taken (methods times the environments that all k have), among those that share
-    /// [`FEWEST_SHARED`] environments if there is one; of equals the one with more methods.
+    /// Methods are ranked by the number of their environments. Of all ways to keep the first k of them, k at
+    /// least 2, the one with the most scores is taken (methods times the environments that all k have), among
+    /// those that share [`FEWEST_SHARED`] environments if there is one; of equals the one with more methods.
     pub fn of(finals: impl IntoIterator<Item = &'a Finals>) -> Self {
         let finals: Vec<&'a Finals> =
             finals.into_iter().filter(|finals| !finals.by_seed.is_empty()).collect();
@@ -108,7 +111,8 @@ impl<'a> Shared<'a> {
         Self { environments, left_out, methods }
     }
 
-    /// Every method with its final scores, in order. Shape: one stratum per shared environment, one score per seed.
+    /// Every method with its final scores, in order. Shape: one stratum per shared environment, one score per
+    /// seed.
     pub fn methods(&self) -> &[(&'a GroupKey, Vec<Vec<f64>>)] {
         &self.methods
     }
@@ -155,31 +159,28 @@ impl<'a> Shared<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
 
     fn finals(environment: &str, curriculum: &str, scores: &[f64]) -> Finals {
-        let key = GroupKey {
-            environment: environment.into(),
-            curriculum: curriculum.into(),
-            variant: "default".into(),
-        };
+        let key = GroupKey::new(&Catalogue::default(), environment, curriculum, "default");
         Finals { key, by_seed: (0..).zip(scores.iter().copied()).collect() }
     }
 
     #[test]
     fn only_environments_of_every_method_count() {
         let all = [
-            finals("A", "teach", &[0.2, 0.4]),
-            finals("A", "vds", &[0.5, 0.5]),
-            finals("B", "teach", &[1.0, 1.0]),
-            finals("C", "teach", &[0.6, 0.8]),
-            finals("C", "vds", &[0.1, 0.9]),
+            finals("A", "first", &[0.2, 0.4]),
+            finals("A", "second", &[0.5, 0.5]),
+            finals("B", "first", &[1.0, 1.0]),
+            finals("C", "first", &[0.6, 0.8]),
+            finals("C", "second", &[0.1, 0.9]),
         ];
         let shared = Shared::of(&all);
         assert_eq!(shared.environments, ["A", "C"]);
         let aggregates = shared.aggregates(Resampling { resamples: 100, ..Resampling::default() });
-        let methods: Vec<&str> = aggregates.iter().map(|a| a.method.curriculum.as_str()).collect();
-        assert_eq!(methods, ["teach", "vds"]);
-        // By hand, for teach: mean of 0.3 and 0.7; of 0.2, 0.4, 0.6, 0.8 the middle two; gap 1 - 0.5.
+        let methods: Vec<&str> = aggregates.iter().map(|a| a.method.curriculum.id.as_str()).collect();
+        assert_eq!(methods, ["first", "second"]);
+        // By hand, for the first: mean of 0.3 and 0.7; of 0.2, 0.4, 0.6, 0.8 the middle two; gap 1 - 0.5.
         assert!((aggregates[0].mean - 0.5).abs() < 1e-12);
         assert!((aggregates[0].iqm - 0.5).abs() < 1e-12);
         assert!((aggregates[0].optimality_gap - 0.5).abs() < 1e-12);
@@ -191,29 +192,29 @@ mod tests {
     fn a_method_of_few_environments_is_left_out() {
         let in_all =
             |curriculum| ["A", "B", "C"].map(|environment| finals(environment, curriculum, &[0.2, 0.4]));
-        let mut all = [in_all("teach"), in_all("vds"), in_all("space")].concat();
-        all.push(finals("B", "procurl", &[0.9]));
+        let mut all = [in_all("first"), in_all("second"), in_all("third")].concat();
+        all.push(finals("B", "fourth", &[0.9]));
         // A run is there, but none that counts.
-        all.push(finals("C", "procurl", &[]));
+        all.push(finals("C", "fourth", &[]));
         let cut = |all: &[Finals]| {
             let mut all: Vec<&Finals> = all.iter().collect();
             all.sort_by(|a, b| a.key.cmp(&b.key));
             let shared = Shared::of(all);
-            let left_out: Vec<&str> = shared.left_out.iter().map(|key| key.curriculum.as_str()).collect();
+            let left_out: Vec<&str> = shared.left_out.iter().map(|key| key.curriculum.id.as_str()).collect();
             (shared.environments.concat(), shared.methods.len(), left_out.join(" "))
         };
         // Three methods in three environments are more than four in one.
-        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "procurl".to_owned()));
+        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "fourth".to_owned()));
         // Four in two are not fewer than three in three once there are five in two.
-        all.push(finals("A", "procurl", &[0.9]));
-        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "procurl".to_owned()));
-        all.extend([finals("A", "her-iid", &[0.1]), finals("B", "her-iid", &[0.1])]);
+        all.push(finals("A", "fourth", &[0.9]));
+        assert_eq!(cut(&all), ("ABC".to_owned(), 3, "fourth".to_owned()));
+        all.extend([finals("A", "other", &[0.1]), finals("B", "other", &[0.1])]);
         assert_eq!(cut(&all), ("AB".to_owned(), 5, String::new()));
     }
 
     #[test]
     fn nothing_shared_gives_nothing() {
-        let all = [finals("A", "teach", &[0.2]), finals("B", "vds", &[0.5])];
+        let all = [finals("A", "first", &[0.2]), finals("B", "second", &[0.5])];
         let shared = Shared::of(&all);
         assert!(shared.environments.is_empty());
         assert_eq!(shared.aggregates(Resampling::default()), []);

@@ -12,14 +12,14 @@ pub const TARGET_POWER: f64 = 0.8;
 
 /// Which question a comparison belongs to. The p-values of each are corrected on their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// Methods against the first method of their environment, in the order of tables: TEACH where it was run.
+pub enum TestFamily {
+    /// Methods against the first method of their environment, in the order of tables.
     Methods,
     /// Variants of a method against its default in the same environment.
     Variants,
 }
 
-impl Family {
+impl TestFamily {
     /// In lower case.
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -29,16 +29,16 @@ impl Family {
     }
 }
 
-/// The final scores of a method compared with those of its reference, from their comparable runs. Differences are
-/// method minus reference.
+/// The final scores of a method compared with those of its reference, from their comparable runs. Differences
+/// are method minus reference.
 ///
-/// Welch's test leaves aside that runs of one seed share their start, and so it also uses seeds that only one side has;
-/// where pairs go together it errs to the safe side. The sign-flip test uses the pairs and assumes nothing about how
-/// scores are distributed, but is silent for few of them.
+/// Welch's test leaves aside that runs of one seed share their start, and so it also uses seeds that only one
+/// side has; where pairs go together it errs to the safe side. The sign-flip test uses the pairs and assumes
+/// nothing about how scores are distributed, but is silent for few of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison<'a> {
     /// What it belongs to.
-    pub family: Family,
+    pub family: TestFamily,
     /// Which method.
     pub method: &'a GroupKey,
     /// What it is compared with, in the same environment.
@@ -71,8 +71,9 @@ pub struct Comparison<'a> {
     pub needed_seeds: Option<u64>,
 }
 
-/// Compares every method with its reference; `groups` come sorted by key, and `compared` says which of them stand for
-/// their method ([`group::compared`]). Variants whose runs are those of their reference are left out.
+/// Compares every method with its reference; `groups` come sorted by key, and `compared` says which of them
+/// stand for their method ([`group::compared`]). Variants whose runs are those of their reference are left
+/// out.
 pub fn comparisons<'a>(
     groups: &'a [Group<'_>],
     compared: &[bool],
@@ -88,7 +89,7 @@ pub fn comparisons<'a>(
             comparisons.push(compare(family, keys, &pair, window, resampling));
         }
     }
-    for family in [Family::Methods, Family::Variants] {
+    for family in [TestFamily::Methods, TestFamily::Variants] {
         let is_tested = |one: &&mut Comparison<'_>| one.family == family && one.welch.is_some();
         let tested: Vec<&mut Comparison<'_>> = comparisons.iter_mut().filter(is_tested).collect();
         let level = ALPHA / tested.len().max(1) as f64;
@@ -108,21 +109,21 @@ fn reference<'a, 'b>(
     groups: &'a [Group<'b>],
     compared: &[bool],
     index: usize,
-) -> Option<(Family, &'a Group<'b>)> {
+) -> Option<(TestFamily, &'a Group<'b>)> {
     let key = &groups[index].key;
     let here = |other: &Group<'_>| other.key.environment == key.environment;
     if compared[index] {
         let first = groups.iter().zip(compared).find(|(other, compared)| **compared && here(other))?.0;
-        return (first.key != *key).then_some((Family::Methods, first));
+        return (first.key != *key).then_some((TestFamily::Methods, first));
     }
     let default = |other: &&Group<'_>| {
         here(other) && other.key.curriculum == key.curriculum && other.key.variant == "default"
     };
-    Some((Family::Variants, groups.iter().find(default)?))
+    Some((TestFamily::Variants, groups.iter().find(default)?))
 }
 
 fn compare<'a>(
-    family: Family,
+    family: TestFamily,
     (method, reference): (&'a GroupKey, &'a GroupKey),
     pair: &Pair<'_>,
     window: usize,

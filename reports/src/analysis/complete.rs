@@ -1,16 +1,16 @@
 //! Which runs may be compared: those that used up their budget and were evaluated at the same steps.
 //!
-//! A run that has not ended is further behind than its method is, and its area under the curve is one of another
-//! stretch of training. No verdict, test or sum over environments rests on such a run.
+//! A run that has not ended is further behind than its method is, and its area under the curve is one of
+//! another stretch of training. No verdict, test or sum over environments rests on such a run.
 
 use std::collections::BTreeMap;
 
 use crate::analysis::group::Group;
 use crate::store::Run;
 
-/// `groups` cut to the runs that may be compared with each other: finished ones, evaluated at the steps that most
-/// finished runs of their environment among `groups` were evaluated at (of two equally common lists of steps, those
-/// that go on for longer). Shape: one group per group; some may be left without a run.
+/// `groups` cut to the runs that may be compared with each other: finished ones, evaluated at the steps that
+/// most finished runs of their environment among `groups` were evaluated at (of two equally common lists of
+/// steps, those that go on for longer). Shape: one group per group; some may be left without a run.
 pub fn comparable<'a>(groups: &[&Group<'a>]) -> Vec<Group<'a>> {
     let cut = |group: &&Group<'a>| {
         let same = |other: &&&Group<'a>| other.key.environment == group.key.environment;

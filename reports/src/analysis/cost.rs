@@ -15,8 +15,8 @@ pub struct Cost {
     pub wall_hours: Option<f64>,
     /// Evaluations' part of it.
     pub evaluation_hours: Option<f64>,
-    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where a seed's timings do not
-    /// tell.
+    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where a seed's timings
+    /// do not tell.
     pub teacher_hours: Option<f64>,
     /// The part of the student's gradient steps; `None` where a seed's timings do not tell.
     pub learning_hours: Option<f64>,

@@ -21,7 +21,8 @@ pub struct Point {
     pub std: Option<f64>,
     /// Mean over those seeds of the student's gradient steps.
     pub gradient_steps: f64,
-    /// Mean over those seeds of the hours of wall-clock time, evaluations included; `None` where one has no timing.
+    /// Mean over those seeds of the hours of wall-clock time, evaluations included; `None` where one has no
+    /// timing.
     pub hours: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Sample efficiency over environments: the interquartile mean of all runs while they train (Agarwal et al. 2021,
-//! "Deep RL at the Edge of the Statistical Precipice", section 4).
+//! Sample efficiency over environments: the interquartile mean of all runs while they train (Agarwal et al.
+//! 2021, "Deep RL at the Edge of the Statistical Precipice", section 4).
 
 use rayon::prelude::*;
 
@@ -26,8 +26,8 @@ pub struct Efficiency<'a> {
     pub intervals: Option<Vec<(f64, f64)>>,
 }
 
-/// The curves of all methods, in order. `groups` are those that are compared, sorted by key; only `environments`
-/// count, which every method has.
+/// The curves of all methods, in order. `groups` are those that are compared, sorted by key; only
+/// `environments` count, which every method has.
 pub fn curves<'a>(
     groups: &[&'a Group<'_>],
     environments: &[&str],
@@ -80,8 +80,8 @@ fn common_end(groups: &[&Group<'_>], environment: &str) -> u64 {
     runs.filter_map(|run| run.records.last()).map(|record| record.step).min().unwrap_or(0)
 }
 
-/// The running score of a run at each share of `end` steps: that of the last evaluation up to there. Shape: one
-/// number per share; 0 before the first evaluation.
+/// The running score of a run at each share of `end` steps: that of the last evaluation up to there. Shape:
+/// one number per share; 0 before the first evaluation.
 fn scores_at(run: &Run, shares: &[f64], end: u64, window: usize) -> Vec<f64> {
     let scores = scores::running_scores(&run.records, window);
     let at = |share: &f64| {

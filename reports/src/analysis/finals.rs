@@ -36,11 +36,12 @@ impl Finals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
 
     #[test]
     fn pairs_share_their_seed() {
         let finals = |by_seed: &[(u64, f64)]| Finals {
-            key: GroupKey { environment: "E".into(), curriculum: "c".into(), variant: "v".into() },
+            key: GroupKey::new(&Catalogue::default(), "E", "c", "v"),
             by_seed: by_seed.to_vec(),
         };
         let (a, b) = (finals(&[(0, 0.1), (2, 0.3), (5, 0.6)]), finals(&[(1, 0.9), (2, 0.8), (5, 0.7)]));

@@ -1,8 +1,9 @@
 //! Runs that differ only in their seed.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
-use crate::methods;
+use crate::analysis::catalogue::{Catalogue, MethodInfo, natural_order};
 use crate::schema::{Record, RunKey};
 use crate::store::{Run, Store};
 
@@ -11,38 +12,53 @@ use crate::store::{Run, Store};
 pub struct GroupKey {
     /// Environment id.
     pub environment: String,
-    /// Curriculum id.
-    pub curriculum: String,
+    /// The method.
+    pub curriculum: Arc<MethodInfo>,
     /// Variant label.
     pub variant: String,
 }
 
 impl GroupKey {
-    fn of(run: &RunKey) -> Self {
-        let RunKey { environment, curriculum, variant, seed: _ } = run.clone();
-        Self { environment, curriculum, variant }
+    /// The key of these runs, with the method as `catalogue` has it.
+    pub fn new(catalogue: &Catalogue, environment: &str, curriculum: &str, variant: &str) -> Self {
+        Self {
+            environment: environment.to_owned(),
+            curriculum: catalogue.method(curriculum),
+            variant: variant.to_owned(),
+        }
     }
 
-    /// What follows the curriculum's name where curves are told apart: the variant in brackets, or nothing for
-    /// `default`.
+    /// Whether it has the method with this curriculum id.
+    pub fn is_of(&self, curriculum: &str) -> bool {
+        self.curriculum.id == curriculum
+    }
+
+    /// `NOVA (n=3)`: the curriculum's name, and what tells its variants apart.
+    pub fn name(&self) -> String {
+        format!("{}{}", self.curriculum.title, self.detail())
+    }
+
+    /// What follows the curriculum's name where curves are told apart: the variant in brackets, or nothing
+    /// for `default`.
     pub fn detail(&self) -> String {
         if self.variant == "default" { String::new() } else { format!(" ({})", self.variant) }
     }
 
-    /// Order of curves within one environment: by curriculum as in [`methods::METHODS`], then by variant
+    /// Order of curves within one environment: by curriculum as in the [`Catalogue`], then by variant
     /// (`default` first, `n=3` before `n=10`).
     pub fn cmp_method(&self, other: &Self) -> Ordering {
         let is_special = |key: &Self| key.variant != "default";
-        methods::order(&self.curriculum, &other.curriculum)
+        self.curriculum
+            .cmp(&other.curriculum)
             .then_with(|| is_special(self).cmp(&is_special(other)))
-            .then_with(|| methods::natural_order(&self.variant, &other.variant))
+            .then_with(|| natural_order(&self.variant, &other.variant))
     }
 }
 
 /// Order of groups everywhere: by environment, then as [`GroupKey::cmp_method`].
 impl Ord for GroupKey {
     fn cmp(&self, other: &Self) -> Ordering {
-        methods::natural_order(&self.environment, &other.environment).then_with(|| self.cmp_method(other))
+        natural_order(&self.environment, &other.environment).then_with(|| self.cmp_method(other))
     }
 }
 
@@ -62,9 +78,9 @@ pub struct Group<'a> {
     pub runs: Vec<&'a Run>,
 }
 
-/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both have, which
-/// is at least one; success at any step counts where both tell it. Two settings that come to the same in the method (such as two Δ within one cycle of learning) give
-/// such groups.
+/// Whether `a` and `b` are the same runs under two labels: the same evaluations for every seed that both
+/// have, which is at least one; success at any step counts where both tell it. Two settings that come to the
+/// same in the method (such as two Δ within one cycle of learning) give such groups.
 pub fn is_repeated(a: &Group<'_>, b: &Group<'_>) -> bool {
     let any = |record: &Record, other: &Record| {
         record.any_success_rate.filter(|_| other.any_success_rate.is_some())
@@ -88,9 +104,9 @@ pub fn shared_seeds<'a>(a: &Group<'a>, b: &Group<'a>) -> impl Iterator<Item = (&
     })
 }
 
-/// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single curriculum
-/// has, in an environment where that curriculum has a `default` too, is an ablation of it and does not. Shape: one
-/// answer per key.
+/// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single
+/// curriculum has, in an environment where that curriculum has a `default` too, is an ablation of it and does
+/// not. Shape: one answer per key.
 pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
     let has_default = |key: &GroupKey| {
         let same = |other: &&&GroupKey| {
@@ -105,11 +121,12 @@ pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
 }
 
 /// All groups with at least one evaluation, in order.
-pub fn groups(store: &Store) -> Vec<Group<'_>> {
+pub fn groups<'a>(store: &'a Store, catalogue: &Catalogue) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     // The store's runs come by key, so that those of one group follow each other, by seed.
     for run in store.runs().iter().filter(|run| !run.records.is_empty()) {
-        let key = GroupKey::of(run.key());
+        let RunKey { environment, curriculum, variant, seed: _ } = run.key();
+        let key = GroupKey::new(catalogue, environment, curriculum, variant);
         match groups.last_mut() {
             Some(group) if group.key == key => group.runs.push(run),
             _ => groups.push(Group { key, runs: vec![run] }),
@@ -125,17 +142,15 @@ mod tests {
 
     #[test]
     fn ablations_are_not_compared() {
-        let key = |environment: &str, curriculum: &str, variant: &str| GroupKey {
-            environment: environment.into(),
-            curriculum: curriculum.into(),
-            variant: variant.into(),
+        let key = |environment: &str, curriculum: &str, variant: &str| {
+            GroupKey::new(&Catalogue::default(), environment, curriculum, variant)
         };
         let keys = [
-            key("A", "teach", "default"),
-            key("A", "teach", "n=3"),
-            key("A", "teach", "wide"),
-            key("A", "vds", "wide"),
-            key("B", "teach", "n=3"),
+            key("A", "nova", "default"),
+            key("A", "nova", "n=3"),
+            key("A", "nova", "wide"),
+            key("A", "wren", "wide"),
+            key("B", "nova", "n=3"),
         ];
         assert_eq!(compared(&keys.iter().collect::<Vec<_>>()), [true, false, true, true, true]);
     }

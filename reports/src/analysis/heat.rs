@@ -1,8 +1,15 @@
 //! Where a teacher sent its student in a maze, and where the student succeeded, over time.
 
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::group::GroupKey;
-use crate::environment::MazeInfo;
+use crate::analysis::groups::Groups;
 use crate::schema::Teaching;
+use crate::store;
+use crate::store::problem::Problem;
 
 /// Thirds of training.
 pub const PHASES: [&str; 3] = ["early", "middle", "late"];
@@ -12,7 +19,7 @@ pub const FEWEST_EPISODES: u32 = 5;
 
 /// Training episodes of one third of training, by cell of their goal.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Phase {
+pub struct HeatPhase {
     /// Episodes with a goal in each cell. Shape: `[side * side]`, row by row.
     pub episodes: Vec<u32>,
     /// Those of them that ended in success. Shape: `[side * side]`.
@@ -25,12 +32,12 @@ pub struct HeatMap {
     /// Which group.
     pub key: GroupKey,
     /// One per entry of [`PHASES`].
-    pub phases: [Phase; 3],
+    pub phases: [HeatPhase; 3],
 }
 
 impl HeatMap {
-    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds of.
-    /// `None` if no goal is a position in the plane.
+    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds
+    /// of. `None` if no goal is a position in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         maze: &MazeInfo,
@@ -38,7 +45,7 @@ impl HeatMap {
         lines: impl IntoIterator<Item = &'a Teaching>,
     ) -> Option<Self> {
         let cells = maze.side() * maze.side();
-        let empty = || Phase { episodes: vec![0; cells], successes: vec![0; cells] };
+        let empty = || HeatPhase { episodes: vec![0; cells], successes: vec![0; cells] };
         let mut phases = [empty(), empty(), empty()];
         let mut any = false;
         for line in lines {
@@ -55,20 +62,65 @@ impl HeatMap {
     }
 }
 
-impl Phase {
-    /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side * side]`.
+impl HeatPhase {
+    /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side *
+    /// side]`.
     pub fn shares(&self) -> Vec<f64> {
         let total: u32 = self.episodes.iter().sum();
         self.episodes.iter().map(|&count| f64::from(count) / f64::from(total.max(1))).collect()
     }
 
-    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few would look as
-    /// certain as any other. Shape: `[side * side]`.
+    /// Success rate in each cell; `None` where there were fewer than [`FEWEST_EPISODES`]: a rate of so few
+    /// would look as certain as any other. Shape: `[side * side]`.
     pub fn rates(&self) -> Vec<Option<f64>> {
         let rate = |(&successes, &episodes): (&u32, &u32)| {
             (episodes >= FEWEST_EPISODES).then(|| f64::from(successes) / f64::from(episodes))
         };
         self.successes.iter().zip(&self.episodes).map(rate).collect()
+    }
+}
+
+/// What the files of what teachers did say: they are read in mazes alone.
+#[derive(Debug, Default)]
+pub struct Heat<'a> {
+    /// Mazes with at least one heat map.
+    pub mazes: Vec<MazeHeat<'a>>,
+    /// What is wrong with these files.
+    pub problems: Vec<Problem>,
+}
+
+/// Heat maps of one maze.
+#[derive(Debug)]
+pub struct MazeHeat<'a> {
+    /// The maze.
+    pub maze: &'a MazeInfo,
+    /// One per group.
+    pub maps: Vec<HeatMap>,
+}
+
+impl<'a> Heat<'a> {
+    /// Heat maps of the compared groups of every maze. What teachers did is read here, run by run, and
+    /// counted at once: all of it together would not be small.
+    pub fn of(results: &Path, groups: &Groups<'_>, mazes: &'a [MazeInfo]) -> Self {
+        let mut heat = Self::default();
+        for maze in mazes {
+            let mut maps = Vec::new();
+            for group in groups.compared_groups() {
+                if group.key.environment != maze.id {
+                    continue;
+                }
+                let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();
+                let last =
+                    group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max();
+                let lines = read.iter().flat_map(|(lines, _)| lines);
+                maps.extend(HeatMap::of(&group.key, maze, last.unwrap_or(0), lines));
+                heat.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
+            }
+            if !maps.is_empty() {
+                heat.mazes.push(MazeHeat { maze, maps });
+            }
+        }
+        heat
     }
 }
 
@@ -81,6 +133,7 @@ fn phase(step: u64, end: u64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
 
     #[test]
     fn thirds_by_hand() {
@@ -90,7 +143,7 @@ mod tests {
     #[test]
     fn heat_by_hand() {
         let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
-        let key = GroupKey { environment: "M".into(), curriculum: "teach".into(), variant: "default".into() };
+        let key = GroupKey::new(&Catalogue::default(), "M", "nova", "default");
         let line = Teaching {
             eval_index: 1,
             step: 150,
@@ -104,7 +157,7 @@ mod tests {
             (&heat.phases[0].episodes, &heat.phases[0].successes),
             (&vec![1, 2, 0, 0], &vec![1, 1, 0, 0])
         );
-        let phase = Phase { episodes: vec![4, 5, 0, 10], successes: vec![4, 5, 0, 3] };
+        let phase = HeatPhase { episodes: vec![4, 5, 0, 10], successes: vec![4, 5, 0, 3] };
         assert_eq!(phase.rates(), [None, Some(1.0), None, Some(0.3)]);
         assert_eq!(heat.phases[2].shares(), [0.0; 4]);
         assert_eq!(HeatMap::of(&key, &maze, 450, []), None);

@@ -1,4 +1,5 @@
-//! Probability that the first method of a report scores above each other one, over the environments that both have.
+//! Probability that the first method of a report scores above each other one, over the environments that both
+//! have.
 
 use crate::analysis::aggregate::finals_of;
 use crate::analysis::finals::Finals;
@@ -20,8 +21,8 @@ pub struct Improvement<'a> {
     pub interval: Option<(f64, f64)>,
 }
 
-/// The first method against each other one that shares an environment with it, in order; `finals` come sorted by key,
-/// those without scores count as absent.
+/// The first method against each other one that shares an environment with it, in order; `finals` come sorted
+/// by key, those without scores count as absent.
 pub fn improvements<'a>(finals: &[&'a Finals], resampling: Resampling) -> Vec<Improvement<'a>> {
     let finals: Vec<&'a Finals> =
         finals.iter().filter(|finals| !finals.by_seed.is_empty()).copied().collect();
@@ -66,26 +67,23 @@ fn improvement<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
 
     #[test]
     fn improvement_by_hand() {
         let finals = |environment: &str, curriculum: &str, scores: &[f64]| Finals {
-            key: GroupKey {
-                environment: environment.into(),
-                curriculum: curriculum.into(),
-                variant: "default".into(),
-            },
+            key: GroupKey::new(&Catalogue::default(), environment, curriculum, "default"),
             by_seed: (0..).zip(scores.iter().copied()).collect(),
         };
         // A: of four pairs three wins and a tie; B: one win of four.
         let all = [
-            finals("A", "teach", &[0.5, 0.9]),
-            finals("A", "vds", &[0.1, 0.5]),
-            finals("B", "teach", &[0.2, 0.4]),
-            finals("B", "vds", &[0.3, 0.6]),
+            finals("A", "first", &[0.5, 0.9]),
+            finals("A", "second", &[0.1, 0.5]),
+            finals("B", "first", &[0.2, 0.4]),
+            finals("B", "second", &[0.3, 0.6]),
             // What one of the two lacks does not count.
-            finals("C", "teach", &[1.0, 1.0]),
-            finals("D", "vds", &[]),
+            finals("C", "first", &[1.0, 1.0]),
+            finals("D", "second", &[]),
         ];
         let found = improvements(
             &all.iter().collect::<Vec<_>>(),

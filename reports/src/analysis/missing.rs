@@ -2,18 +2,102 @@
 
 use std::collections::BTreeSet;
 
+use crate::analysis::catalogue::Catalogue;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
-use crate::methods;
-use crate::paper;
+use crate::analysis::whole::Analysis;
 use crate::schema::Record;
 use crate::store::Run;
 
-/// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected to have
-/// every method among them, and every method the seeds that any run of `all` has. `groups` come in order; those that
-/// stand for their method and those that are variants of one are asked about apart, for ablations may be run in fewer
-/// environments.
-pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
+/// Everything that a report lacks.
+pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
+    let groups = analysis.groups;
+    let mut lacking = runs(&groups.all, &groups.compared_groups());
+    lacking.extend(runs(&groups.all, &groups.variant_groups()));
+    lacking.extend(of_the_paper(&groups.all, analysis.catalogue()));
+    lacking.extend(sums(analysis));
+    for (axis, ablations) in analysis.paper().axes.iter().zip(&analysis.ablations) {
+        if ablations.is_empty() {
+            let field = axis.pointer.trim_start_matches('/').replace('/', ".");
+            lacking.push(format!("{} of the paper: no variants differ in {field} alone", axis.source));
+        }
+    }
+    for id in groups.environments() {
+        if analysis.catalogue().environments.iter().all(|info| info.id != id) {
+            lacking.push(format!("{id}: dimensions not known to this report"));
+        }
+    }
+    lacking.extend(heat_maps(analysis));
+    lacking.extend(any_success(&groups.all));
+    lacking.extend(picks(&groups.all));
+    lacking.extend(timings(analysis));
+    lacking
+}
+
+/// What sums over environments leave out.
+fn sums(analysis: &Analysis<'_>) -> Vec<String> {
+    let mut lacking = Vec::new();
+    if analysis.across.environments.is_empty() {
+        lacking.push("sums over environments: no two methods share two environments".to_owned());
+    }
+    for key in &analysis.across.left_out {
+        let name = key.name();
+        lacking.push(format!("sums over environments leave out {name}, which lacks too many of them"));
+    }
+    match analysis.groups.left_out() {
+        0 => {}
+        k => lacking.push(format!(
+            "comparisons, ledger and sums over environments rest on finished runs of the same evaluations; left \
+             out of all runs of methods: {k}"
+        )),
+    }
+    lacking
+}
+
+/// Methods that were run in a maze without a record of what their teacher did.
+fn heat_maps(analysis: &Analysis<'_>) -> Vec<String> {
+    let drawn: Vec<&GroupKey> =
+        analysis.heat.mazes.iter().flat_map(|heat| &heat.maps).map(|map| &map.key).collect();
+    let mut lacking = Vec::new();
+    for maze in &analysis.catalogue().mazes {
+        for group in analysis.groups.compared_groups() {
+            let key = &group.key;
+            if key.environment == maze.id && !drawn.contains(&key) {
+                let name = key.name();
+                lacking
+                    .push(format!("{}: {name}: no record of what the teacher did, so no heat map", maze.id));
+            }
+        }
+    }
+    lacking
+}
+
+/// What timings do not tell.
+fn timings(analysis: &Analysis<'_>) -> Vec<String> {
+    let mut lacking = Vec::new();
+    let silent = analysis.summaries.iter().filter(|row| {
+        row.cost.wall_hours.is_some()
+            && (row.cost.teacher_hours.is_none() || row.cost.learning_hours.is_none())
+    });
+    let silent = silent.count();
+    if silent > 0 {
+        let all = analysis.summaries.len();
+        lacking.push(format!(
+            "the teacher's and the student's share of time: timings of {silent} of {all} methods do not tell"
+        ));
+    }
+    let mut points = analysis.groups.curves.iter().flat_map(|curve| &curve.points);
+    if points.any(|point| point.hours.is_none()) {
+        lacking.push("timings of some evaluations: figures over wall-clock time leave them out".to_owned());
+    }
+    lacking
+}
+
+/// Runs that are not there or not finished, beside what was run: every environment among `groups` is expected
+/// to have every method among them, and every method the seeds that any run of `all` has. `groups` come in
+/// order; those that stand for their method and those that are variants of one are asked about apart, for
+/// ablations may be run in fewer environments.
+fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
     let seeds: BTreeSet<u64> = all.iter().flat_map(|group| &group.runs).map(|run| run.key().seed).collect();
     let mut methods: Vec<&GroupKey> = groups.iter().map(|group| &group.key).collect();
     methods.sort_by(|a, b| a.cmp_method(b));
@@ -22,7 +106,7 @@ pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
     for environment in groups.chunk_by(|a, b| a.key.environment == b.key.environment) {
         let id = &environment[0].key.environment;
         for method in &methods {
-            let name = format!("{}{}", methods::title(&method.curriculum), method.detail());
+            let name = method.name();
             let Some(group) = environment.iter().find(|group| group.key.cmp_method(method).is_eq()) else {
                 missing.push(format!("{id}: {name} has no evaluation"));
                 continue;
@@ -43,13 +127,13 @@ pub fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
 }
 
 /// How many runs of `all` do not tell the success at any step in each of their evaluations; `None` if all do.
-pub fn any_success(all: &[Group<'_>]) -> Option<String> {
+fn any_success(all: &[Group<'_>]) -> Option<String> {
     older("success at any step", all, |record| record.any_success_rate.is_some())
 }
 
-/// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked; `None` if all
-/// do. A teacher that picks none has the number all the same, as one that is not defined.
-pub fn picks(all: &[Group<'_>]) -> Option<String> {
+/// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked;
+/// `None` if all do. A teacher that picks none has the number all the same, as one that is not defined.
+fn picks(all: &[Group<'_>]) -> Option<String> {
     older("which goals of the pool were picked", all, |record| record.teacher.contains_key(PICKED_GOALS))
 }
 
@@ -62,13 +146,14 @@ fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Opti
 }
 
 /// The paper's methods and environments that `all` has no evaluation of, in a line each.
-pub fn of_the_paper(all: &[Group<'_>]) -> Vec<String> {
-    let has_method = |id: &str| all.iter().any(|group| group.key.curriculum == id);
-    let methods: Vec<&str> = paper::methods().filter(|id| !has_method(id)).map(methods::title).collect();
-    let has_task = |names: &[&str]| all.iter().any(|group| names.contains(&group.key.environment.as_str()));
-    let tasks: Vec<&str> =
-        paper::TASKS.iter().filter(|names| !has_task(names)).map(|names| names[0]).collect();
-    let line = |what: &str, names: Vec<&str>| {
+fn of_the_paper(all: &[Group<'_>], catalogue: &Catalogue) -> Vec<String> {
+    let paper = &catalogue.paper;
+    let has_method = |id: &str| all.iter().any(|group| group.key.is_of(id));
+    let methods = paper.methods().filter(|id| !has_method(id)).map(|id| catalogue.title(id)).collect();
+    let has_task = |names: &[String]| all.iter().any(|group| names.contains(&group.key.environment));
+    let lacking = paper.tasks.iter().filter(|names| !has_task(names));
+    let tasks = lacking.filter_map(|names| names.first().cloned()).collect();
+    let line = |what: &str, names: Vec<String>| {
         (!names.is_empty())
             .then(|| format!("no evaluation of these {what} of the paper: {}", names.join(", ")))
     };

@@ -1,7 +1,9 @@
-//! From runs to numbers: groups of runs, their curves and scores, comparisons, and verdicts on a paper's claims.
+//! From runs to numbers: groups of runs, their curves and scores, comparisons, and verdicts on a paper's
+//! claims.
 
 pub mod ablation;
 pub mod aggregate;
+pub mod catalogue;
 pub mod comparison;
 pub mod complete;
 pub mod cost;
@@ -9,11 +11,14 @@ pub mod curves;
 pub mod efficiency;
 pub mod finals;
 pub mod group;
+pub mod groups;
 pub mod heat;
 pub mod improvement;
 pub mod ledger;
 pub mod missing;
+pub mod options;
 pub mod readings;
 pub mod scores;
 pub mod summary;
 pub mod teaching;
+pub mod whole;

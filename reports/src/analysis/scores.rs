@@ -6,8 +6,8 @@ use crate::stats;
 /// The running score after every evaluation: the mean success rate of the last `window` evaluations up to and
 /// including it, or of all there are while they are fewer. Shape: one number in [0, 1] per record.
 ///
-/// Averaging evens out the noise of evaluations of a few episodes each. Scores are rounded to 12 digits, so that
-/// equal shares of successes are equal numbers and count as ties.
+/// Averaging evens out the noise of evaluations of a few episodes each. Scores are rounded to 12 digits, so
+/// that equal shares of successes are equal numbers and count as ties.
 pub fn running_scores(records: &[Record], window: usize) -> Vec<f64> {
     let score = |end: usize| {
         let recent = &records[(end + 1).saturating_sub(window.max(1))..=end];
@@ -22,8 +22,8 @@ pub fn final_score(records: &[Record], window: usize) -> Option<f64> {
     running_scores(records, window).last().copied()
 }
 
-/// The same as [`final_score`] of success at any step of an episode; `None` where one of these evaluations has no record
-/// of it.
+/// The same as [`final_score`] of success at any step of an episode; `None` where one of these evaluations
+/// has no record of it.
 pub fn final_any_score(records: &[Record], window: usize) -> Option<f64> {
     let recent = &records[records.len().saturating_sub(window.max(1))..];
     let rates: Option<Vec<f64>> = recent.iter().map(|record| record.any_success_rate).collect();
@@ -37,15 +37,17 @@ pub fn final_counts(records: &[Record], window: usize) -> (u64, u64) {
     (recent.iter().map(successes).sum(), recent.iter().map(|record| record.episodes).sum())
 }
 
-/// The first step at which the running score of `window` evaluations is at least `threshold`; `None` if it never is
-/// (censored). The scores of fewer evaluations at the start do not count: a single lucky one would do.
+/// The first step at which the running score of `window` evaluations is at least `threshold`; `None` if it
+/// never is (censored). The scores of fewer evaluations at the start do not count: a single lucky one would
+/// do.
 pub fn steps_to(records: &[Record], threshold: f64, window: usize) -> Option<u64> {
     let scores = running_scores(records, window);
     let full = records.iter().zip(scores).skip(window.saturating_sub(1));
     full.into_iter().find(|(_, score)| *score >= threshold).map(|(record, _)| record.step)
 }
 
-/// [`area`] under the success rate of an evaluation over its training steps. `None` for fewer than two evaluations.
+/// [`area`] under the success rate of an evaluation over its training steps. `None` for fewer than two
+/// evaluations.
 pub fn area_under_curve(records: &[Record]) -> Option<f64> {
     area(records.iter().map(|record| (record.step, record.success_rate)))
 }

@@ -1,4 +1,4 @@
-//! One row of numbers per environment, curriculum and variant.
+//! The numbers of each environment, curriculum and variant.
 
 use crate::analysis::cost::Cost;
 use crate::analysis::curves::{Curve, DDOF, Point};
@@ -9,7 +9,7 @@ use crate::stats::{self, Resampling};
 
 /// What the tables say about one group. Success rates are shares in [0, 1].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct GroupSummary {
     /// Which group.
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
@@ -44,8 +44,8 @@ pub struct Row {
     pub cost: Cost,
 }
 
-impl Row {
-    /// The row of a group; final scores average the last `window` evaluations of a seed.
+impl GroupSummary {
+    /// The numbers of a group; final scores average the last `window` evaluations of a seed.
     pub fn of(group: &Group<'_>, window: usize, resampling: Resampling) -> Option<Self> {
         let runs = &group.runs;
         let finals = Finals::of(group, window).scores();
@@ -84,10 +84,10 @@ fn best(curve: &Curve, n: usize) -> Option<Point> {
     complete.rev().max_by(|a, b| a.mean.total_cmp(&b.mean)).copied()
 }
 
-/// The step by which at least half of the seeds had reached a threshold: the lower median of `times`, one entry per
-/// seed, `None` for a seed that had not by its last evaluation (censored) and so counts as later than all others; `None`
-/// if fewer than half of them did. Where all seeds were trained for equally long this is the Kaplan-Meier median; a seed
-/// that was stopped before the others makes it no earlier than that.
+/// The step by which at least half of the seeds had reached a threshold: the lower median of `times`, one
+/// entry per seed, `None` for a seed that had not by its last evaluation (censored) and so counts as later
+/// than all others; `None` if fewer than half of them did. Where all seeds were trained for equally long this
+/// is the Kaplan-Meier median; a seed that was stopped before the others makes it no earlier than that.
 pub fn median_steps(times: &[Option<u64>]) -> Option<u64> {
     let mut reached: Vec<u64> = times.iter().flatten().copied().collect();
     reached.sort_unstable();

@@ -1,4 +1,7 @@
-//! What teachers picked: the numbers of their records that say how they choose, per environment, curriculum and variant.
+//! What teachers picked: the numbers of their records that say how they choose, per environment, curriculum
+//! and variant.
+
+use std::collections::BTreeMap;
 
 use crate::analysis::group::{Group, GroupKey};
 use crate::schema::Record;
@@ -7,40 +10,47 @@ use crate::stats;
 /// The number of distinct goals of the pool that were picked.
 pub const PICKED_GOALS: &str = "picked_goals";
 
-/// Numbers that teachers record by these names, in the order of [`Row::means`].
+/// Numbers that teachers record by these names, and that say how they choose.
 pub static NUMBERS: [&str; 5] =
     [PICKED_GOALS, "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
 
 /// What the table says about one group.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct PickSummary {
     /// Which group.
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
     pub n_seeds: usize,
-    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; `None` where none has.
-    pub means: [Option<f64>; 5],
+    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; no entry where
+    /// none has.
+    means: BTreeMap<&'static str, f64>,
 }
 
-impl Row {
-    /// The row of a group.
+impl PickSummary {
+    /// The numbers of a group.
     pub fn of(group: &Group<'_>) -> Self {
-        let mean = |name: &str| {
+        let mean = |name: &'static str| {
             let by_seed: Vec<f64> =
                 group.runs.iter().filter_map(|run| mean_over_training(&run.records, name)).collect();
-            stats::mean(&by_seed)
+            Some((name, stats::mean(&by_seed)?))
         };
-        Self { key: group.key.clone(), n_seeds: group.runs.len(), means: NUMBERS.map(mean) }
+        let means = NUMBERS.into_iter().filter_map(mean).collect();
+        Self { key: group.key.clone(), n_seeds: group.runs.len(), means }
+    }
+
+    /// The number `name` of [`NUMBERS`]; `None` where no seed has it.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        self.means.get(name).copied()
     }
 
     /// Whether there is anything to say.
     pub fn tells(&self) -> bool {
-        self.means.iter().any(Option::is_some)
+        !self.means.is_empty()
     }
 }
 
-/// The mean of the teacher's number `name` over the evaluations after evaluation 0, before which there was no training,
-/// as far as it is defined; `None` if it never is.
+/// The mean of the teacher's number `name` over the evaluations after evaluation 0, before which there was no
+/// training, as far as it is defined; `None` if it never is.
 pub fn mean_over_training(records: &[Record], name: &str) -> Option<f64> {
     let trained = records.iter().filter(|record| record.eval_index > 0);
     let numbers: Vec<f64> = trained.filter_map(|record| record.teacher.get(name)?.as_f64()).collect();
@@ -56,7 +66,7 @@ mod tests {
     fn means_by_hand() {
         let record = |(eval_index, value): (u64, Value)| Record {
             environment: "E".into(),
-            curriculum: "teach".into(),
+            curriculum: "nova".into(),
             variant: "default".into(),
             seed: 0,
             step: 1_000 * eval_index,

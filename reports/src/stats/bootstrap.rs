@@ -24,12 +24,23 @@ impl Default for Resampling {
     }
 }
 
-/// Percentile bootstrap interval of `statistic`, stratified (Efron 1979; Agarwal et al. 2021, section 4): every
-/// stratum is resampled with replacement on its own and keeps its size, then `statistic` sees all strata.
+/// Percentile bootstrap interval of `statistic`, stratified (Efron 1979; Agarwal et al. 2021, section 4):
+/// every stratum is resampled with replacement on its own and keeps its size, then `statistic` sees all
+/// strata.
 ///
 /// `None` if there is no stratum, one has fewer than two values (it could not vary), there is no resample, or
-/// `statistic` is `None` for a resample. Each resample draws from a stream of its own, so that the interval does
-/// not depend on the number of threads.
+/// `statistic` is `None` for a resample. Each resample draws from a stream of its own, so that the interval
+/// does not depend on the number of threads.
+///
+/// ```
+/// use reports::stats::{Resampling, mean, stratified_interval};
+///
+/// let strata: [&[f64]; 2] = [&[0.2, 0.4, 0.6], &[0.7, 0.9]];
+/// let of_all = |strata: &[Vec<f64>]| mean(&strata.concat());
+/// let (low, high) = stratified_interval(&strata, of_all, Resampling::default()).unwrap();
+/// assert!(low < 0.56 && 0.56 < high);
+/// assert_eq!(stratified_interval(&[&[0.5]], of_all, Resampling::default()), None, "one seed cannot vary");
+/// ```
 pub fn stratified_interval(
     strata: &[&[f64]],
     statistic: impl Fn(&[Vec<f64>]) -> Option<f64> + Sync,
@@ -39,7 +50,16 @@ pub fn stratified_interval(
     stratified_intervals(strata, statistics, resampling)?.first().copied()
 }
 
-/// As [`stratified_interval`], of several statistics of the same resamples: pointwise intervals, one per statistic.
+/// As [`stratified_interval`], of several statistics of the same resamples: pointwise intervals, one per
+/// statistic.
+///
+/// ```
+/// use reports::stats::{Resampling, mean, stratified_intervals};
+///
+/// let both = |strata: &[Vec<f64>]| Some(vec![mean(&strata[0])?, 1.0 - mean(&strata[0])?]);
+/// let intervals = stratified_intervals(&[&[0.2, 0.4, 0.6]], both, Resampling::default()).unwrap();
+/// assert_eq!(intervals.len(), 2);
+/// ```
 pub fn stratified_intervals(
     strata: &[&[f64]],
     statistics: impl Fn(&[Vec<f64>]) -> Option<Vec<f64>> + Sync,
@@ -63,13 +83,21 @@ pub fn stratified_intervals(
     (0..replicates.first()?.len()).map(interval).collect()
 }
 
-/// Percentile bootstrap interval of the mean difference `a - b` over `pairs` of (a, b): pairs are resampled whole,
-/// so that what a pair shares (a seed: initial weights, goals, evaluation episodes) cancels out.
+/// Percentile bootstrap interval of the mean difference `a - b` over `pairs` of (a, b): pairs are resampled
+/// whole, so that what a pair shares (a seed: initial weights, goals, evaluation episodes) cancels out.
 ///
-/// Of few pairs it covers less than it says: five differences at a nominal 95 % about 83 %, seven 88 %. Tests and
-/// verdicts use [`sign_flip`](super::sign_flip) instead, which keeps its level.
+/// Of few pairs it covers less than it says: five differences at a nominal 95 % about 83 %, seven 88 %. Tests
+/// and verdicts use [`sign_flip`](super::sign_flip) instead, which keeps its level.
 ///
 /// `None` for fewer than two pairs or no resample.
+///
+/// ```
+/// use reports::stats::{Resampling, paired_interval};
+///
+/// // Every pair differs by the same amount, whatever its seed.
+/// let interval = paired_interval(&[(0.75, 0.5), (1.0, 0.75), (0.5, 0.25)], Resampling::default());
+/// assert_eq!(interval, Some((0.25, 0.25)));
+/// ```
 pub fn paired_interval(pairs: &[(f64, f64)], resampling: Resampling) -> Option<(f64, f64)> {
     let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
     stratified_interval(&[&differences], |strata| super::mean(&strata[0]), resampling)

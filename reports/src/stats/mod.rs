@@ -1,7 +1,7 @@
 //! Statistics: pure functions of slices. Undefined answers are `None`, never NaN.
 //!
-//! Inputs are finite numbers; the [store](crate::store) lets no others in. Scores of several environments come as
-//! strata: one slice of scores, one score per seed, for each environment.
+//! Inputs are finite numbers; the [store](crate::store) lets no others in. Scores of several environments
+//! come as strata: one slice of scores, one score per seed, for each environment.
 
 mod bootstrap;
 mod moments;

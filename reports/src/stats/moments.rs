@@ -26,12 +26,23 @@ impl std::fmt::Display for Ddof {
 }
 
 /// `1/n sum x_i`; `None` for no values.
+///
+/// ```
+/// assert_eq!(reports::stats::mean(&[1.0, 2.0, 6.0]), Some(3.0));
+/// ```
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// `sqrt(sum (x_i - mean)^2 / (n - ddof))`; `None` where the denominator is not positive. Values that differ from
-/// their mean by rounding errors alone have a deviation of exactly 0.
+/// `sqrt(sum (x_i - mean)^2 / (n - ddof))`; `None` where the denominator is not positive. Values that differ
+/// from their mean by rounding errors alone have a deviation of exactly 0.
+///
+/// ```
+/// use reports::stats::{Ddof, std_dev};
+///
+/// assert_eq!(std_dev(&[1.0, 3.0], Ddof::Sample), Some(2_f64.sqrt()));
+/// assert_eq!(std_dev(&[1.0], Ddof::Sample), None);
+/// ```
 pub fn std_dev(values: &[f64], ddof: Ddof) -> Option<f64> {
     let denominator = values.len().checked_sub(ddof.as_usize()).filter(|&n| n > 0)?;
     let mean = mean(values)?;

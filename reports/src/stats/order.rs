@@ -2,6 +2,10 @@
 
 /// The `p`-quantile, p in [0, 1], interpolated linearly between the two nearest order statistics (type 7 of
 /// Hyndman and Fan 1996, numpy's default); `None` for no values or a `p` outside its range.
+///
+/// ```
+/// assert_eq!(reports::stats::quantile(&[4.0, 1.0, 3.0, 2.0], 0.5), Some(2.5));
+/// ```
 pub fn quantile(values: &[f64], p: f64) -> Option<f64> {
     if values.is_empty() || !(0.0..=1.0).contains(&p) {
         return None;
@@ -13,12 +17,22 @@ pub fn quantile(values: &[f64], p: f64) -> Option<f64> {
 }
 
 /// The middle value, or the mean of both middle values; `None` for no values.
+///
+/// ```
+/// assert_eq!(reports::stats::median(&[5.0, 1.0, 2.0]), Some(2.0));
+/// ```
 pub fn median(values: &[f64]) -> Option<f64> {
     quantile(values, 0.5)
 }
 
-/// Interquartile mean: the mean of what remains when floor(n / 4) values are cut off at each end (Agarwal et al.
-/// 2021, "Deep RL at the Edge of the Statistical Precipice"; the same cut as their rliable). `None` for no values.
+/// Interquartile mean: the mean of what remains when floor(n / 4) values are cut off at each end (Agarwal et
+/// al. 2021, "Deep RL at the Edge of the Statistical Precipice"; the same cut as their rliable). `None` for
+/// no values.
+///
+/// ```
+/// // One of four is cut off at each end.
+/// assert_eq!(reports::stats::iqm(&[0.0, 0.25, 0.75, 9.0]), Some(0.5));
+/// ```
 pub fn iqm(values: &[f64]) -> Option<f64> {
     let sorted = sorted(values);
     let cut = sorted.len() / 4;

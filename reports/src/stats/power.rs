@@ -7,17 +7,29 @@ use super::{Ddof, mean, std_dev};
 
 /// Cohen's d between two samples: the difference of their means over the root mean square of their standard
 /// deviations. `None` where a side has fewer than two values or neither varies.
+///
+/// ```
+/// // Both standard deviations are 1.
+/// assert_eq!(reports::stats::effect_size(&[2.0, 3.0, 4.0], &[0.0, 1.0, 2.0]), Some(2.0));
+/// ```
 pub fn effect_size(a: &[f64], b: &[f64]) -> Option<f64> {
     let difference = mean(a)? - mean(b)?;
     let variance = (std_dev(a, Ddof::Sample)?.powi(2) + std_dev(b, Ddof::Sample)?.powi(2)) / 2.0;
     (variance > 0.0).then(|| difference / variance.sqrt())
 }
 
-/// Power of the two-sided t-test at level `alpha` with `n` seeds on each side, when the true effect size is `d`: the
-/// probability that the test finds it. `None` for n < 2 or an `alpha` outside (0, 1).
+/// Power of the two-sided t-test at level `alpha` with `n` seeds on each side, when the true effect size is
+/// `d`: the probability that the test finds it. `None` for n < 2 or an `alpha` outside (0, 1).
 ///
 /// The test statistic follows a noncentral t distribution with 2n - 2 degrees of freedom and noncentrality
 /// d sqrt(n / 2) (Cohen 1988, chapter 2).
+///
+/// ```
+/// use reports::stats::power;
+///
+/// assert!(power(2.0, 7, 0.05).unwrap() > power(2.0, 5, 0.05).unwrap());
+/// assert_eq!(power(2.0, 1, 0.05), None);
+/// ```
 pub fn power(d: f64, n: u64, alpha: f64) -> Option<f64> {
     if n < 2 || !(alpha > 0.0 && alpha < 1.0) {
         return None;
@@ -31,8 +43,15 @@ pub fn power(d: f64, n: u64, alpha: f64) -> Option<f64> {
 /// The most seeds per side that [`needed_seeds`] considers.
 const MOST_SEEDS: u64 = 10_000;
 
-/// The fewest seeds on each side with which [`power`] is at least `target`; `None` if even 10,000 are too few, or
-/// where power is undefined.
+/// The fewest seeds on each side with which [`power`] is at least `target`; `None` if even 10,000 are too
+/// few, or where power is undefined.
+///
+/// ```
+/// use reports::stats::{needed_seeds, power};
+///
+/// let seeds = needed_seeds(1.0, 0.05, 0.8).unwrap();
+/// assert!(power(1.0, seeds, 0.05).unwrap() >= 0.8 && power(1.0, seeds - 1, 0.05).unwrap() < 0.8);
+/// ```
 pub fn needed_seeds(d: f64, alpha: f64, target: f64) -> Option<u64> {
     let enough = |n: u64| power(d, n, alpha).map(|power| power >= target);
     if !enough(MOST_SEEDS)? {
@@ -47,8 +66,8 @@ pub fn needed_seeds(d: f64, alpha: f64, target: f64) -> Option<u64> {
     Some(high)
 }
 
-/// P(|T| > x) of a noncentral t variable T = (Z + noncentrality) / S, where S^2 is chi-squared over its degrees of
-/// freedom: the normal tails given S, integrated over S by Simpson's rule.
+/// P(|T| > x) of a noncentral t variable T = (Z + noncentrality) / S, where S^2 is chi-squared over its
+/// degrees of freedom: the normal tails given S, integrated over S by Simpson's rule.
 fn noncentral_t_tails(x: f64, df: f64, noncentrality: f64) -> f64 {
     let tails = |s: f64| phi(noncentrality - x * s) + phi(-x * s - noncentrality);
     // Twelve standard deviations, of about 1 / sqrt(2 df), on both sides of 1.
@@ -56,7 +75,8 @@ fn noncentral_t_tails(x: f64, df: f64, noncentrality: f64) -> f64 {
     simpson(|s| tails(s) * chi_density(s, df), (1.0 - reach).max(0.0), 1.0 + reach).clamp(0.0, 1.0)
 }
 
-/// Density of S = sqrt(chi-squared(df) / df) at s >= 0: 2 (df/2)^(df/2) / Gamma(df/2) s^(df-1) exp(-df s^2 / 2).
+/// Density of S = sqrt(chi-squared(df) / df) at s >= 0: 2 (df/2)^(df/2) / Gamma(df/2) s^(df-1) exp(-df s^2 /
+/// 2).
 fn chi_density(s: f64, df: f64) -> f64 {
     if s <= 0.0 {
         return 0.0;

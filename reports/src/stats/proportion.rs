@@ -6,6 +6,11 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// p ± z sqrt(p (1 - p) / n), it stays in [0, 1] and has a width at 0 and n successes.
 ///
 /// `None` for no trials, more successes than trials, or a `confidence` outside (0, 1).
+///
+/// ```
+/// let (low, high) = reports::stats::wilson_interval(20, 20, 0.95).unwrap();
+/// assert!(low > 0.8 && high == 1.0, "20 of 20 do not prove that it never fails");
+/// ```
 pub fn wilson_interval(successes: u64, trials: u64, confidence: f64) -> Option<(f64, f64)> {
     if trials == 0 || successes > trials || !(confidence > 0.0 && confidence < 1.0) {
         return None;

@@ -3,8 +3,14 @@
 
 use super::mean;
 
-/// Performance profile: for every threshold the share of runs whose score is above it, averaged over strata so
-/// that each task counts the same. Shape: one share per threshold; `None` without strata or with an empty one.
+/// Performance profile: for every threshold the share of runs whose score is above it, averaged over strata
+/// so that each task counts the same. Shape: one share per threshold; `None` without strata or with an empty
+/// one.
+///
+/// ```
+/// let profile = reports::stats::performance_profile(&[&[0.25, 0.75], &[1.0]], &[0.5, 0.9]);
+/// assert_eq!(profile, Some(vec![0.75, 0.5]));
+/// ```
 pub fn performance_profile(strata: &[&[f64]], thresholds: &[f64]) -> Option<Vec<f64>> {
     let share = |stratum: &[f64], threshold: f64| {
         let above: Vec<f64> = stratum.iter().map(|score| f64::from(u8::from(*score > threshold))).collect();
@@ -17,16 +23,25 @@ pub fn performance_profile(strata: &[&[f64]], thresholds: &[f64]) -> Option<Vec<
     thresholds.iter().map(profile).collect()
 }
 
-/// Optimality gap: by how much scores fall short of `target` on average, those above it counted as equal to it.
-/// 0 is best. `None` for no scores.
+/// Optimality gap: by how much scores fall short of `target` on average, those above it counted as equal to
+/// it. 0 is best. `None` for no scores.
+///
+/// ```
+/// assert_eq!(reports::stats::optimality_gap(&[0.5, 1.0], 1.0), Some(0.25));
+/// ```
 pub fn optimality_gap(scores: &[f64], target: f64) -> Option<f64> {
     let shortfalls: Vec<f64> = scores.iter().map(|score| target - score.min(target)).collect();
     mean(&shortfalls)
 }
 
-/// Probability that a random run of `a` scores above a random run of `b` on the same task, ties counting one half,
-/// averaged over tasks: the Mann-Whitney statistic over the number of pairs. `a` and `b` hold one stratum per task
-/// in the same order; `None` if their numbers differ, there are none, or one is empty.
+/// Probability that a random run of `a` scores above a random run of `b` on the same task, ties counting one
+/// half, averaged over tasks: the Mann-Whitney statistic over the number of pairs. `a` and `b` hold one
+/// stratum per task in the same order; `None` if their numbers differ, there are none, or one is empty.
+///
+/// ```
+/// let p = reports::stats::probability_of_improvement(&[&[0.9, 0.5]], &[&[0.5, 0.1]]);
+/// assert_eq!(p, Some(0.875), "three wins and a tie of four");
+/// ```
 pub fn probability_of_improvement(a: &[&[f64]], b: &[&[f64]]) -> Option<f64> {
     if a.len() != b.len() {
         return None;

@@ -14,24 +14,35 @@ pub const MOST_ENUMERATED: usize = 16;
 pub struct SignFlip {
     /// Two-sided p-value of "the differences lie symmetrically around 0".
     pub p: f64,
-    /// The values around which the test at level 1 - confidence takes the differences to lie: those between these two.
-    /// `None` where the test can refuse no value at that level, because there are too few differences.
+    /// The values around which the test at level 1 - confidence takes the differences to lie: those between
+    /// these two. `None` where the test can refuse no value at that level, because there are too few
+    /// differences.
     pub interval: Option<(f64, f64)>,
 }
 
-/// The sign-flip test (Fisher 1935; Good 2005, "Permutation, Parametric and Bootstrap Tests of Hypotheses") of the mean
-/// over strata of the mean difference, where every difference has its sign flipped or not. Where both sides of a pair
-/// come from one distribution, whatever it is, p is at most x with a probability of at most x.
+/// The sign-flip test (Fisher 1935; Good 2005, "Permutation, Parametric and Bootstrap Tests of Hypotheses")
+/// of the mean over strata of the mean difference, where every difference has its sign flipped or not. Where
+/// both sides of a pair come from one distribution, whatever it is, p is at most x with a probability of at
+/// most x.
 ///
-/// Flips are enumerated up to [`MOST_ENUMERATED`] differences; of more, `resampling.resamples` are drawn, and the
-/// differences as they are count as one more (Phipson and Smyth 2010), so that the level holds all the same.
+/// Flips are enumerated up to [`MOST_ENUMERATED`] differences; of more, `resampling.resamples` are drawn, and
+/// the differences as they are count as one more (Phipson and Smyth 2010), so that the level holds all the
+/// same.
 ///
-/// The interval inverts the test: with the weight w of each difference in the mean, flipping a set S of differences
-/// gives a mean at least as far above θ as the one found exactly where the mean of S, weighted by w, is at most θ. So
-/// the k-th lowest and highest of these means bound the θ that are not refused, k = floor(total (1 - confidence) / 2)
-/// (Hartigan 1969, "Using subsample values as typical values").
+/// The interval inverts the test: with the weight w of each difference in the mean, flipping a set S of
+/// differences gives a mean at least as far above θ as the one found exactly where the mean of S, weighted by
+/// w, is at most θ. So the k-th lowest and highest of these means bound the θ that are not refused, k =
+/// floor(total (1 - confidence) / 2) (Hartigan 1969, "Using subsample values as typical values").
 ///
 /// `strata` hold the differences of each environment. `None` if there is none, or one is empty.
+///
+/// ```
+/// use reports::stats::{Resampling, sign_flip};
+///
+/// // Of 2^5 flips, the one found and its opposite are as far from 0.
+/// let test = sign_flip(&[&[0.1, 0.2, 0.3, 0.1, 0.2]], Resampling::default()).unwrap();
+/// assert_eq!(test.p, 0.0625);
+/// ```
 pub fn sign_flip(strata: &[&[f64]], resampling: Resampling) -> Option<SignFlip> {
     if strata.is_empty() || strata.iter().any(|stratum| stratum.is_empty()) {
         return None;
@@ -50,6 +61,12 @@ pub fn sign_flip(strata: &[&[f64]], resampling: Resampling) -> Option<SignFlip> 
 }
 
 /// The lowest p-value that [`sign_flip`] can give for `n` differences.
+///
+/// ```
+/// use reports::stats::{Resampling, lowest_sign_flip_p};
+///
+/// assert_eq!(lowest_sign_flip_p(7, Resampling::default()), 0.015625);
+/// ```
 pub fn lowest_sign_flip_p(n: usize, resampling: Resampling) -> f64 {
     let total = if n <= MOST_ENUMERATED { 2_f64.powi(n as i32) } else { resampling.resamples as f64 + 1.0 };
     (2.0 / total).min(1.0)
@@ -90,8 +107,8 @@ impl Flips {
     }
 }
 
-/// Weighted mean from the sums of weights and of weighted differences, rounded to 12 digits: 0.3 - 0.1 - 0.2 is a tie
-/// with 0. `None` of no difference.
+/// Weighted mean from the sums of weights and of weighted differences, rounded to 12 digits: 0.3 - 0.1 - 0.2
+/// is a tie with 0. `None` of no difference.
 fn set_mean((weight, sum): (f64, f64)) -> Option<f64> {
     // Adding 0 takes the sign from a rounded zero.
     (weight > 0.0).then(|| (sum / weight * 1e12).round() / 1e12 + 0.0)
@@ -134,8 +151,9 @@ mod tests {
 
     #[test]
     fn sign_flip_by_hand() {
-        // Flips of 1, 2, 3 have sums ±6, ±4, ±2, 0, 0: two of eight are as far from 0 as 6. Means of sets: 1, 3/2, 2, 2,
-        // 2, 5/2, 3; at level 2/4 (k = 2) the second from both ends, at 2/8 the first, at less none.
+        // Flips of 1, 2, 3 have sums ±6, ±4, ±2, 0, 0: two of eight are as far from 0 as 6. Means of sets: 1,
+        // 3/2, 2, 2, 2, 5/2, 3; at level 2/4 (k = 2) the second from both ends, at 2/8 the first, at less
+        // none.
         let test = sign_flip(&[&[1.0, 2.0, 3.0]], at(0.5)).unwrap();
         assert_eq!(test, SignFlip { p: 0.25, interval: Some((1.5, 2.5)) });
         assert_eq!(sign_flip(&[&[1.0, 2.0, 3.0]], at(0.75)).unwrap().interval, Some((1.0, 3.0)));
@@ -144,8 +162,8 @@ mod tests {
 
     #[test]
     fn strata_count_alike_by_hand() {
-        // (4 + (-1 - 3) / 2) / 2 = 1. In flips, 4 stands for ±2 and the others for ±1/4 and ±3/4: of eight sums four are
-        // at least 1 (2 - 1, 2 - 1/2, 2 + 1/2, 2 + 1).
+        // (4 + (-1 - 3) / 2) / 2 = 1. In flips, 4 stands for ±2 and the others for ±1/4 and ±3/4: of eight
+        // sums four are at least 1 (2 - 1, 2 - 1/2, 2 + 1/2, 2 + 1).
         let test = sign_flip(&[&[4.0], &[-1.0, -3.0]], at(0.95)).unwrap();
         assert_eq!(test.p, 1.0);
         let test = sign_flip(&[&[4.0], &[-1.0, 3.0]], at(0.95)).unwrap();

@@ -15,8 +15,14 @@ pub struct Welch {
     pub p: f64,
 }
 
-/// Welch's unequal variances t-test of `mean(a) = mean(b)` (Welch 1947). `None` where a side has fewer than two
-/// values or neither side varies.
+/// Welch's unequal variances t-test of `mean(a) = mean(b)` (Welch 1947). `None` where a side has fewer than
+/// two values or neither side varies.
+///
+/// ```
+/// let test = reports::stats::welch(&[0.9, 0.8, 0.85], &[0.2, 0.3, 0.1]).unwrap();
+/// assert!(test.t > 0.0 && test.p < 0.01);
+/// assert_eq!(reports::stats::welch(&[1.0, 1.0], &[0.0, 0.0]), None, "neither side varies");
+/// ```
 pub fn welch(a: &[f64], b: &[f64]) -> Option<Welch> {
     let difference = mean(a)? - mean(b)?;
     let squared_error = |values: &[f64]| Some(std_dev(values, Ddof::Sample)?.powi(2) / values.len() as f64);
@@ -32,8 +38,12 @@ pub fn welch(a: &[f64], b: &[f64]) -> Option<Welch> {
     Some(Welch { t, df, p: 2.0 * distribution.cdf(-t.abs()) })
 }
 
-/// Holm's step-down correction (Holm 1979): p-values, in their order, adjusted so that refusing those of at most
-/// alpha is wrong about any true hypothesis with a probability of at most alpha.
+/// Holm's step-down correction (Holm 1979): p-values, in their order, adjusted so that refusing those of at
+/// most alpha is wrong about any true hypothesis with a probability of at most alpha.
+///
+/// ```
+/// assert_eq!(reports::stats::holm(&[0.25, 0.125]), [0.25, 0.25]);
+/// ```
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

@@ -8,7 +8,6 @@
 mod check;
 pub mod digest;
 mod error;
-mod frame;
 pub mod layout;
 mod lines;
 mod load;

@@ -1,9 +1,8 @@
 //! The data: the dictionary names every column, and Parquet holds what CSV holds.
 
-use super::support::{key, write_run};
+use super::support::{key, options, write_run};
 use polars::prelude::{CsvReader, DataFrame, ParquetReader, SerReader};
-use reports::dictionary;
-use reports::report::{self, Options};
+use reports::ReportOptions;
 use reports::store::layout;
 use tempfile::TempDir;
 
@@ -11,42 +10,75 @@ fn names(frame: &DataFrame) -> Vec<&str> {
     frame.get_column_names().into_iter().map(|name| name.as_str()).collect()
 }
 
+/// The columns that `DATA.md` names for the file `name`, and whether it says that there is Parquet.
+fn described(text: &str, name: &str) -> (Vec<String>, bool) {
+    let section = text.split("\n## ").find(|section| section.starts_with(&format!("{name}.csv"))).unwrap();
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    (rows.map(str::to_owned).collect(), section.starts_with(&format!("{name}.csv, {name}.parquet:")))
+}
+
 #[test]
 fn the_data_are_complete_and_described() {
     let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "teach", "default", 0), &[0.0, 0.5]);
-    write_run(results.path(), &key("E", "vds", "default", 0), &[0.25]);
-    write_run(results.path(), &key("E", "vds", "default", 1), &[]);
-    report::write(results.path(), &Options::default()).unwrap();
+    write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5]);
+    write_run(results.path(), &key("E", "wren", "default", 0), &[0.25]);
+    write_run(results.path(), &key("E", "wren", "default", 1), &[]);
+    reports::write(results.path(), &options()).unwrap();
     let folder = layout::report_dir(results.path());
     let open = |name: String| std::fs::File::open(folder.join(name)).unwrap();
     let text = std::fs::read_to_string(folder.join("DATA.md")).unwrap();
-    let rows = [3, 3, 2, 2, 0, 0, 1, 11, 0, 0];
-    assert_eq!(dictionary::FILES.len(), rows.len());
-    for (data, rows) in dictionary::FILES.iter().zip(rows) {
-        let csv: DataFrame = CsvReader::new(open(format!("{}.csv", data.name))).finish().unwrap();
-        assert_eq!(csv.height(), rows, "{}", data.name);
+    let files = [
+        ("records", 3),
+        ("runs", 3),
+        ("summary", 2),
+        ("costs", 2),
+        ("teaching", 0),
+        ("aggregates", 0),
+        ("comparisons", 1),
+        ("ledger", 11),
+        ("readings", 0),
+        ("environments", 0),
+    ];
+    assert_eq!(text.matches("\n## ").count(), files.len());
+    for (name, rows) in files {
+        let csv: DataFrame = CsvReader::new(open(format!("{name}.csv"))).finish().unwrap();
+        assert_eq!(csv.height(), rows, "{name}");
+        let (columns, has_parquet) = described(&text, name);
         let is_teacher = |name: &&str| name.starts_with("teacher.");
-        let described = data.columns.iter().map(|column| column.name).filter(|name| !is_teacher(name));
+        let described = columns.iter().map(String::as_str).filter(|name| !is_teacher(name));
         let found = names(&csv).into_iter().filter(|name| !is_teacher(name));
-        assert_eq!(found.collect::<Vec<_>>(), described.collect::<Vec<_>>(), "{}", data.name);
-        if data.parquet {
-            let parquet: DataFrame =
-                ParquetReader::new(open(format!("{}.parquet", data.name))).finish().unwrap();
+        assert_eq!(found.collect::<Vec<_>>(), described.collect::<Vec<_>>(), "{name}");
+        if has_parquet {
+            let parquet: DataFrame = ParquetReader::new(open(format!("{name}.parquet"))).finish().unwrap();
             assert_eq!((parquet.shape(), names(&parquet)), (csv.shape(), names(&csv)));
             assert!(parquet.column("seed").unwrap().u64().is_ok());
         }
-        for column in data.columns {
-            assert!(text.contains(&format!("| `{}` | {} | {} |", column.name, column.kind, column.meaning)));
-        }
     }
+    assert!(described(&text, "records").1 && described(&text, "runs").1 && !described(&text, "summary").1);
+}
+
+#[test]
+fn records_have_a_row_per_evaluation() {
+    let results = TempDir::new().unwrap();
+    write_run(results.path(), &key("E", "wren", "default", 0), &[0.0, 0.5]);
+    write_run(results.path(), &key("E", "nova", "default", 10), &[0.25]);
+    write_run(results.path(), &key("E", "nova", "default", 9), &[0.75]);
+    reports::write(results.path(), &options()).unwrap();
+    let file = std::fs::File::open(layout::report_dir(results.path()).join("records.parquet")).unwrap();
+    let frame: DataFrame = ParquetReader::new(file).finish().unwrap();
+    assert_eq!(frame.shape(), (4, 13));
+    let numbers = |name: &str| frame.column(name).unwrap().f64().unwrap().to_vec();
+    assert_eq!(numbers("success_rate"), [0.75, 0.25, 0.0, 0.5].map(Some));
+    assert_eq!(numbers("any_success_rate"), [0.8, 0.3, 0.05, 0.55].map(Some));
+    assert_eq!(numbers("teacher.entropy"), [0.0, 0.0, 0.0, 1.0].map(Some));
+    assert_eq!(frame.column("teacher.undefined").unwrap().null_count(), 4);
 }
 
 #[test]
 fn the_numbers_of_a_run_by_hand() {
     let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "teach", "default", 0), &[0.0, 0.5, 1.0]);
-    report::write(results.path(), &Options { window: 2, ..Options::default() }).unwrap();
+    write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5, 1.0]);
+    reports::write(results.path(), &ReportOptions { window: 2, ..options() }).unwrap();
     let csv = std::fs::read_to_string(layout::report_dir(results.path()).join("runs.csv")).unwrap();
     let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let (header, row) = (lines.next().unwrap(), lines.next().unwrap());

@@ -5,13 +5,14 @@ use reports::analysis::efficiency;
 use reports::analysis::group;
 use reports::stats::Resampling;
 use reports::store::Store;
+use reports::synthetic::catalogue;
 use tempfile::TempDir;
 
 #[test]
 fn curves_end_where_every_run_has_been() {
     let results = TempDir::new().unwrap();
     let write = |environment: &str, seed: u64, rates: &[f64]| {
-        write_run(results.path(), &key(environment, "teach", "default", seed), rates);
+        write_run(results.path(), &key(environment, "nova", "default", seed), rates);
     };
     write("A", 0, &[0.0, 0.5, 1.0]);
     write("A", 1, &[0.0, 0.2, 0.4, 0.9]);
@@ -19,7 +20,7 @@ fn curves_end_where_every_run_has_been() {
     write("B", 1, &[0.0, 0.8]);
     write("C", 0, &[1.0, 1.0]);
     let store = Store::read(results.path()).unwrap();
-    let groups = group::groups(&store);
+    let groups = group::groups(&store, &catalogue());
     let groups: Vec<_> = groups.iter().collect();
     let resampling = Resampling { resamples: 200, ..Resampling::default() };
     let curves = efficiency::curves(&groups, &["A", "B"], 1, resampling);

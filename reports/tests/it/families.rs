@@ -4,18 +4,19 @@ use std::fs;
 use std::path::Path;
 
 use super::readings::{claim, names, readings, write};
-use reports::analysis::readings::{Family, Readings};
-use reports::report::{self, Options};
+use super::support::options;
+use reports::ReportOptions;
+use reports::analysis::readings::{ReadingFamily, Readings};
 use reports::store::layout;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A config of TEACH or of another curriculum with the budget of its environment, as protocols resolve it: TEACH's
-/// defaults but for `settings`.
+/// A config of NOVA or of another curriculum with the budget of its environment, as protocols resolve it:
+/// NOVA's defaults but for `settings`.
 fn resolved(environment: &str, curriculum: &str, goals: &str, settings: &[(&str, Value)]) -> Value {
-    let (steps, every) = if environment == "FetchReach" { (6_000, 500) } else { (40_000, 2_000) };
+    let (steps, every) = if environment == "ArmReach" { (6_000, 500) } else { (40_000, 2_000) };
     let mut own = json!({});
-    if curriculum == "teach" {
+    if curriculum == "nova" {
         own = json!({
             "window": 10, "interplay": 1, "record": "cycle", "signal": "variance", "confidence": "online",
             "states": "reference", "replay_states": 8, "selection": "proportional",
@@ -41,12 +42,12 @@ fn the_preset_reduced_has_no_readings() {
         ("d50", &[("interplay", json!(50))]),
         ("n3-target", &[("window", json!(3)), ("confidence", json!("target-critic"))]),
     ];
-    for environment in ["MazeA", "FetchReach"] {
+    for environment in ["RoomA", "ArmReach"] {
         for (index, (variant, settings)) in variants.iter().enumerate() {
-            let config = resolved(environment, "teach", "environment", settings);
-            write(results.path(), environment, "teach", variant, 0.1 * index as f64, &config);
+            let config = resolved(environment, "nova", "environment", settings);
+            write(results.path(), environment, "nova", variant, 0.1 * index as f64, &config);
         }
-        for curriculum in ["vds", "space", "procurl", "her-iid", "her-iid-pool"] {
+        for curriculum in ["wren", "moss", "kite", "dull", "dull-pool"] {
             let config = resolved(environment, curriculum, "environment", &[]);
             write(results.path(), environment, curriculum, "default", 0.3, &config);
         }
@@ -56,10 +57,10 @@ fn the_preset_reduced_has_no_readings() {
 
 /// The grid of the preset `ambiguity` in two of its environments, and a window of its own in one.
 fn write_ambiguity(path: &Path) {
-    for environment in ["MazeA", "FetchReach"] {
-        let write_teach = |label: &str, rate: f64, goals: &str, settings: &[(&str, Value)]| {
-            let config = resolved(environment, "teach", goals, settings);
-            write(path, environment, "teach", label, rate, &config);
+    for environment in ["RoomA", "ArmReach"] {
+        let write_nova = |label: &str, rate: f64, goals: &str, settings: &[(&str, Value)]| {
+            let config = resolved(environment, "nova", goals, settings);
+            write(path, environment, "nova", label, rate, &config);
         };
         for (goals, suffix) in [("environment", ""), ("pool", "+goals=pool")] {
             for (states, rate) in [("reference", 0.6), ("replay", 0.7), ("initial", 0.8)] {
@@ -71,21 +72,21 @@ fn write_ambiguity(path: &Path) {
                     let label = (names.join("+") + suffix).trim_start_matches('+').to_owned();
                     let label = if label.is_empty() { "default" } else { &label };
                     let settings = [("states", json!(states)), ("selection", json!(selection))];
-                    write_teach(label, rate - less, goals, &settings);
+                    write_nova(label, rate - less, goals, &settings);
                 }
             }
             let label = if suffix.is_empty() { "default" } else { "goals=pool" };
-            for curriculum in ["her-iid", "her-iid-pool"] {
+            for curriculum in ["dull", "dull-pool"] {
                 let config = resolved(environment, curriculum, goals, &[]);
                 write(path, environment, curriculum, label, 0.3, &config);
             }
         }
-        write_teach("d10", 0.6, "environment", &[("interplay", json!(10))]);
+        write_nova("d10", 0.6, "environment", &[("interplay", json!(10))]);
         let settings = [("interplay", json!(10)), ("record", json!("evaluation"))];
-        write_teach("d10+evaluation", 0.1, "environment", &settings);
+        write_nova("d10+evaluation", 0.1, "environment", &settings);
     }
-    let config = resolved("MazeA", "teach", "environment", &[("window", json!(3))]);
-    write(path, "MazeA", "teach", "n3", 0.9, &config);
+    let config = resolved("RoomA", "nova", "environment", &[("window", json!(3))]);
+    write(path, "RoomA", "nova", "n3", 0.9, &config);
 }
 
 #[test]
@@ -93,35 +94,35 @@ fn readings_at_other_settings_are_a_family_of_their_own() {
     let results = TempDir::new().unwrap();
     write_ambiguity(results.path());
     let found = readings(results.path());
-    let of = |family: &Family| (family.name.clone(), family.readings.len(), family.claims.len());
+    let of = |family: &ReadingFamily| (family.name.clone(), family.readings.len(), family.claims.len());
     let sizes: Vec<_> = found.families.iter().map(of).collect();
     assert_eq!(sizes, [(String::new(), 12, 4), ("Δ = 10".to_owned(), 2, 4)]);
     for (family, count) in found.families.iter().zip([12.0, 2.0]) {
-        // Budgets differ between these environments, settings of TEACH do not.
-        assert_eq!((family.environments.join(" "), family.left_out.len()), ("FetchReach MazeA".into(), 0));
+        // Budgets differ between these environments, settings of NOVA do not.
+        assert_eq!((family.environments.join(" "), family.left_out.len()), ("ArmReach RoomA".into(), 0));
         for (_, entry) in family.claims.iter().flat_map(|claim| &claim.judged) {
             assert!((entry.confidence - (1.0 - 0.05 / count)).abs() < 1e-12, "{}", entry.confidence);
             assert_eq!(entry.effect.environments.len(), 2);
         }
     }
     let [default, slow] = &found.families[..] else { unreachable!("two, as seen above") };
-    let conclusion = |family| claim(family, "final-her-iid").conclusion.clone();
+    let conclusion = |family| claim(family, "final-dull").conclusion.clone();
     assert_eq!(conclusion(default), "the same under all 12 readings: confirmed");
     assert_eq!(names(slow), ["record = cycle", "record = evaluation"]);
     let expected = "hangs on the reading: confirmed under record = cycle, refuted under record = evaluation";
     assert_eq!(conclusion(slow), expected);
-    report::write(results.path(), &Options { window: 1, ..Options::default() }).unwrap();
+    reports::write(results.path(), &ReportOptions { window: 1, ..options() }).unwrap();
     let folder = layout::report_dir(results.path());
     let summary = fs::read_to_string(folder.join("summary.md")).unwrap();
     let row = format!(
-        "| TEACH reaches a higher final success than HER-IID on average over environments, at Δ = 10 | all together | \
+        "| NOVA reaches a higher final success than DULL on average over environments, at Δ = 10 | all together | \
          hangs on it | {expected} |"
     );
     assert!(summary.contains(&row), "{summary}");
     assert!(
-        summary.contains("that have all of them: FetchReach, MazeA; at Δ = 10: FetchReach, MazeA. A reading")
+        summary.contains("that have all of them: ArmReach, RoomA; at Δ = 10: ArmReach, RoomA. A reading")
     );
     let csv = fs::read_to_string(folder.join("readings.csv")).unwrap();
-    assert_eq!(csv.lines().filter(|line| line.starts_with("final-her-iid,,")).count(), 12);
-    assert_eq!(csv.lines().filter(|line| line.starts_with("final-her-iid,Δ = 10,")).count(), 2);
+    assert_eq!(csv.lines().filter(|line| line.starts_with("final-dull,,")).count(), 12);
+    assert_eq!(csv.lines().filter(|line| line.starts_with("final-dull,Δ = 10,")).count(), 2);
 }

@@ -1,15 +1,16 @@
 //! Figures of every shape of results: each label lies inside the page and on top of no other label.
 
 use reports::analysis::aggregate::Shared;
+use reports::analysis::catalogue::MazeInfo;
 use reports::analysis::curves::{Curve, Point, Progress};
 use reports::analysis::efficiency::Efficiency;
 use reports::analysis::finals::Finals;
 use reports::analysis::group::GroupKey;
-use reports::analysis::heat::{HeatMap, Phase};
+use reports::analysis::heat::{HeatMap, HeatPhase};
 use reports::analysis::improvement;
-use reports::environment::MazeInfo;
 use reports::render::figure;
 use reports::stats::Resampling;
+use reports::synthetic::catalogue;
 use resvg::usvg::{self, Node, Rect};
 
 const LONG: &str = "an-environment-id-that-goes-on-and-on-and-on-until-nobody-remembers-how-it-began-v4";
@@ -36,12 +37,12 @@ fn curve(environment: &str, curriculum: &str, variant: &str, n: usize, rate: imp
 }
 
 fn key(environment: &str, curriculum: &str, variant: &str) -> GroupKey {
-    GroupKey { environment: environment.into(), curriculum: curriculum.into(), variant: variant.into() }
+    GroupKey::new(&catalogue(), environment, curriculum, variant)
 }
 
 /// Curves of six curricula.
 fn comparison(environment: &str) -> Vec<Curve> {
-    ["teach", "vds", "procurl", "space", "her-iid", "her-iid-pool"]
+    ["nova", "wren", "kite", "moss", "dull", "dull-pool"]
         .iter()
         .enumerate()
         .map(|(index, id)| {
@@ -67,28 +68,26 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
     }
     let long_curricula = (0..4).map(|index| format!("{LONG}-{index}"));
     vec![
-        ("one curve", vec![curve("FetchReach", "teach", "default", 7, |share| share)]),
-        ("one seed", vec![curve("FetchReach", "teach", "default", 1, |share| share)]),
-        ("six curves", comparison("FetchPush")),
+        ("one curve", vec![curve("ArmReach", "nova", "default", 7, |share| share)]),
+        ("one seed", vec![curve("ArmReach", "nova", "default", 1, |share| share)]),
+        ("six curves", comparison("ArmPush")),
         ("eleven environments", eleven),
         (
             "always 0 and always 1",
-            vec![curve("E", "teach", "default", 7, |_| 1.0), curve("E", "her-iid", "default", 7, |_| 0.0)],
+            vec![curve("E", "nova", "default", 7, |_| 1.0), curve("E", "dull", "default", 7, |_| 0.0)],
         ),
-        ("equal curves", ["teach", "vds", "space"].map(|id| curve("E", id, "default", 7, |_| 1.0)).to_vec()),
+        ("equal curves", ["nova", "wren", "moss"].map(|id| curve("E", id, "default", 7, |_| 1.0)).to_vec()),
         (
             "variants",
             windows
-                .map(|variant| {
-                    curve("MazeA", "teach", variant, 7, |share| share * variant.len() as f64 / 5.0)
-                })
+                .map(|variant| curve("RoomA", "nova", variant, 7, |share| share * variant.len() as f64 / 5.0))
                 .to_vec(),
         ),
         ("partial", partial),
         (
             "one evaluation",
             vec![Curve {
-                key: key("E", "teach", "default"),
+                key: key("E", "nova", "default"),
                 points: vec![Point { n: 1, mean: 0.05, hours: Some(0.0), ..Point::default() }],
                 episodes: (20, 20),
             }],
@@ -101,8 +100,8 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
     ]
 }
 
-/// All figures of a case: learning curves of one and of all environments, the same over hours, and what sums up
-/// environments.
+/// All figures of a case: learning curves of one and of all environments, the same over hours, and what sums
+/// up environments.
 fn figures(curves: &[Curve]) -> Vec<String> {
     let first = &curves[0].key.environment;
     let all: Vec<&Curve> = curves.iter().collect();
@@ -123,7 +122,8 @@ fn figures(curves: &[Curve]) -> Vec<String> {
     figures
 }
 
-/// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final scores.
+/// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final
+/// scores.
 fn across(curves: &[&Curve]) -> [String; 3] {
     let finals = |(index, curve): (usize, &&Curve)| Finals {
         key: curve.key.clone(),
@@ -179,7 +179,7 @@ fn heat(curves: &[&Curve]) -> String {
         id: curves[0].key.environment.clone(),
         grid: (0..13).map(|row| line(row).to_owned()).collect(),
     };
-    let phase = |offset: u32| Phase {
+    let phase = |offset: u32| HeatPhase {
         episodes: (0..169).map(|cell| (cell + offset) % 40).collect(),
         successes: (0..169).map(|cell| (cell + offset) % 40 / 2).collect(),
     };
@@ -256,7 +256,7 @@ fn pixels_of(curves: &[Curve], colour: [u8; 3]) -> usize {
 fn curves_at_the_limits_are_visible() {
     let vermilion = [213, 94, 0];
     for rate in [0.0, 1.0] {
-        let flat = [curve("E", "teach", "default", 7, |_| rate)];
+        let flat = [curve("E", "nova", "default", 7, |_| rate)];
         // 5 pixels wide on a plot of more than 800 pixels, most of it not hidden by the frame.
         assert!(pixels_of(&flat, vermilion) > 3_000, "rate {rate}");
     }
@@ -264,17 +264,17 @@ fn curves_at_the_limits_are_visible() {
 
 #[test]
 fn equal_curves_can_all_be_seen() {
-    let equal = ["teach", "vds", "space"].map(|id| curve("E", id, "default", 7, |_| 1.0));
-    for (method, colour) in [("teach", [213, 94, 0]), ("vds", [0, 114, 178]), ("space", [204, 121, 167])] {
-        let alone: Vec<Curve> =
-            equal.iter().filter(|curve| curve.key.curriculum == method).cloned().collect();
+    let equal = ["nova", "wren", "moss"].map(|id| curve("E", id, "default", 7, |_| 1.0));
+    for (method, colour) in [("nova", [213, 94, 0]), ("wren", [0, 114, 178]), ("moss", [204, 121, 167])] {
+        let alone: Vec<Curve> = equal.iter().filter(|curve| curve.key.is_of(method)).cloned().collect();
         let legend_sample = 600;
         assert!(pixels_of(&equal, colour) > legend_sample + 1_000, "{method}");
         assert!(pixels_of(&alone, colour) > legend_sample + 1_000, "{method}");
     }
 }
 
-/// Writes all cases for inspection by eye: `FIGURES=FOLDER cargo test --release -p reports --test it -- --ignored`.
+/// Writes all cases for inspection by eye: `FIGURES=FOLDER cargo test --release -p reports --test it --
+/// --ignored`.
 #[test]
 #[ignore = "writes files for people to look at"]
 fn draw_all_cases() {

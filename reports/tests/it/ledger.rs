@@ -3,20 +3,20 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, write_configured, write_run};
-use reports::analysis::ablation::{self, AXES};
+use super::support::{key, line, options, write_configured, write_run};
+use reports::analysis::ablation;
 use reports::analysis::group;
-use reports::analysis::ledger::{self, Entry, Verdict};
-use reports::report::{self, Options};
+use reports::analysis::ledger::{self, LedgerEntry, Verdict};
 use reports::schema::Record;
 use reports::stats::Resampling;
 use reports::store::Store;
 use reports::store::layout;
+use reports::synthetic::catalogue;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-fn teach(window: u64, interplay: u64, confidence: &str) -> Value {
-    json!({"curriculum": {"teach": {"window": window, "interplay": interplay, "confidence": confidence}}})
+fn nova(window: u64, interplay: u64, confidence: &str) -> Value {
+    json!({"curriculum": {"nova": {"window": window, "interplay": interplay, "confidence": confidence}}})
 }
 
 /// Seeds 0 to 6 of a group that end at about `rate`.
@@ -35,13 +35,13 @@ fn write_group(
     }
 }
 
-fn entries(results: &Path) -> Vec<Entry> {
+fn entries(results: &Path) -> Vec<LedgerEntry> {
     let store = Store::read(results).unwrap();
-    let groups = group::groups(&store);
-    ledger::ledger(&groups, 1, Resampling { resamples: 2_000, ..Resampling::default() })
+    let groups = group::groups(&store, &catalogue());
+    ledger::ledger(&groups, &catalogue(), 1, Resampling { resamples: 2_000, ..Resampling::default() })
 }
 
-fn verdict(entries: &[Entry], id: &str) -> Verdict {
+fn verdict(entries: &[LedgerEntry], id: &str) -> Verdict {
     entries.iter().find(|entry| entry.id == id).unwrap().verdict
 }
 
@@ -49,26 +49,26 @@ fn verdict(entries: &[Entry], id: &str) -> Verdict {
 fn clear_results_are_judged() {
     let results = TempDir::new().unwrap();
     let path = results.path();
-    for environment in ["MazeA", "MazeB"] {
-        write_group(path, environment, "teach", "default", 0.6, &teach(10, 1, "online"));
-        write_group(path, environment, "vds", "default", 0.3, &json!({"curriculum": {"vds": {}}}));
-        write_group(path, environment, "space", "default", 0.9, &json!({"curriculum": {"space": {}}}));
-        write_group(path, environment, "her-iid", "default", 0.6, &json!({"curriculum": {"her-iid": {}}}));
-        write_group(path, environment, "teach", "n=3", 0.62, &teach(3, 1, "online"));
-        write_group(path, environment, "teach", "n=20", 0.58, &teach(20, 1, "online"));
-        write_group(path, environment, "teach", "n=3,target", 0.4, &teach(3, 1, "target"));
-        write_group(path, environment, "teach", "n=3,target-critic", 0.5, &teach(3, 1, "target-critic"));
-        write_group(path, environment, "teach", "delta=5", 0.75, &teach(10, 5, "online"));
-        write_group(path, environment, "teach", "delta=50", 0.1, &teach(10, 50, "online"));
+    for environment in ["RoomA", "RoomB"] {
+        write_group(path, environment, "nova", "default", 0.6, &nova(10, 1, "online"));
+        write_group(path, environment, "wren", "default", 0.3, &json!({"curriculum": {"wren": {}}}));
+        write_group(path, environment, "moss", "default", 0.9, &json!({"curriculum": {"moss": {}}}));
+        write_group(path, environment, "dull", "default", 0.6, &json!({"curriculum": {"dull": {}}}));
+        write_group(path, environment, "nova", "n=3", 0.62, &nova(3, 1, "online"));
+        write_group(path, environment, "nova", "n=20", 0.58, &nova(20, 1, "online"));
+        write_group(path, environment, "nova", "n=3,target", 0.4, &nova(3, 1, "target"));
+        write_group(path, environment, "nova", "n=3,target-critic", 0.5, &nova(3, 1, "target-critic"));
+        write_group(path, environment, "nova", "delta=5", 0.75, &nova(10, 5, "online"));
+        write_group(path, environment, "nova", "delta=50", 0.1, &nova(10, 50, "online"));
     }
     let entries = entries(path);
     let expected = [
-        ("final-vds", Verdict::Confirmed),
-        ("final-procurl", Verdict::Undecided),
-        ("final-space", Verdict::Refuted),
-        ("final-her-iid", Verdict::Undecided),
-        ("area-vds", Verdict::Confirmed),
-        ("area-space", Verdict::Refuted),
+        ("final-wren", Verdict::Confirmed),
+        ("final-kite", Verdict::Undecided),
+        ("final-moss", Verdict::Refuted),
+        ("final-dull", Verdict::Undecided),
+        ("area-wren", Verdict::Confirmed),
+        ("area-moss", Verdict::Refuted),
         ("target-confidence", Verdict::Confirmed),
         ("window", Verdict::Confirmed),
         ("interplay", Verdict::Confirmed),
@@ -76,12 +76,12 @@ fn clear_results_are_judged() {
     for (id, expected) in expected {
         assert_eq!(verdict(&entries, id), expected, "{id}: {entries:#?}");
     }
-    let vds = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
-    assert!((vds.difference.unwrap() - 0.3).abs() < 1e-9);
-    assert_eq!((vds.pairs, vds.ahead, vds.behind, vds.environments.len()), (14, 2, 0, 2));
+    let wren = &entries.iter().find(|entry| entry.id == "final-wren").unwrap().effect;
+    assert!((wren.difference.unwrap() - 0.3).abs() < 1e-9);
+    assert_eq!((wren.pairs, wren.ahead, wren.behind, wren.environments.len()), (14, 2, 0, 2));
     // All 14 differences have one sign.
-    assert_eq!(vds.p, Some(2_f64.powi(-13)));
-    let area = &entries.iter().find(|entry| entry.id == "area-vds").unwrap();
+    assert_eq!(wren.p, Some(2_f64.powi(-13)));
+    let area = &entries.iter().find(|entry| entry.id == "area-wren").unwrap();
     assert!((area.effect.difference.unwrap() - 0.15).abs() < 1e-9, "half of it: from 0 in a straight line");
     // Four baselines share a miss of 0.05.
     assert!((area.confidence - 0.9875).abs() < 1e-12);
@@ -99,12 +99,13 @@ fn clear_results_are_judged() {
     assert!((interplay.confidence - 0.975).abs() < 1e-12);
 }
 
-/// The claim on smooth confidence, at n = 3 in two environments: 0.6 with the online networks, and these values.
-fn smooth_confidence(values: &[(&str, f64)]) -> Entry {
+/// The claim on smooth confidence, at n = 3 in two environments: 0.6 with the online networks, and these
+/// values.
+fn smooth_confidence(values: &[(&str, f64)]) -> LedgerEntry {
     let results = TempDir::new().unwrap();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         for (value, rate) in [&[("online", 0.6)], values].concat() {
-            write_group(results.path(), environment, "teach", value, rate, &teach(3, 1, value));
+            write_group(results.path(), environment, "nova", value, rate, &nova(3, 1, value));
         }
     }
     entries(results.path()).into_iter().find(|entry| entry.id == "target-confidence").unwrap()
@@ -115,7 +116,8 @@ fn smooth_confidence_is_judged_by_the_target_critic() {
     let alone = smooth_confidence(&[("target-critic", 0.5)]);
     // As far above as the other is below: the claim is not about it.
     let both = smooth_confidence(&[("target", 0.7), ("target-critic", 0.5)]);
-    let of = |entry: &Entry| (entry.verdict, entry.value.clone(), entry.effect.clone(), entry.confidence);
+    let of =
+        |entry: &LedgerEntry| (entry.verdict, entry.value.clone(), entry.effect.clone(), entry.confidence);
     assert_eq!(of(&both), of(&alone));
     assert_eq!(both.verdict, Verdict::Confirmed);
     let beside = "; confidence = target, not what the claim is about and not tested: +0.10, ahead in 2 and behind in 0 of 2 \
@@ -131,7 +133,7 @@ fn without_a_target_critic_the_target_networks_stand_in_for_it() {
     assert!(old.evidence.ends_with(remark), "{}", old.evidence);
     let results = TempDir::new().unwrap();
     for (variant, window, confidence) in [("a", 3, "online"), ("b", 3, "target"), ("c", 5, "target-critic")] {
-        write_group(results.path(), "MazeA", "teach", variant, 0.6, &teach(window, 1, confidence));
+        write_group(results.path(), "RoomA", "nova", variant, 0.6, &nova(window, 1, confidence));
     }
     let entries = entries(results.path());
     let entry = entries.iter().find(|entry| entry.id == "target-confidence").unwrap();
@@ -145,9 +147,9 @@ fn runs_that_differ_in_success_at_any_step_are_no_repeats() {
     let results = TempDir::new().unwrap();
     let path = results.path();
     for (variant, interplay) in [("default", 1), ("delta=2", 2)] {
-        write_group(path, "MazeA", "teach", variant, 0.6, &teach(10, interplay, "online"));
+        write_group(path, "RoomA", "nova", variant, 0.6, &nova(10, interplay, "online"));
     }
-    let records = layout::run_dir(path, &key("MazeA", "teach", "delta=2", 3)).join(layout::RECORDS);
+    let records = layout::run_dir(path, &key("RoomA", "nova", "delta=2", 3)).join(layout::RECORDS);
     let rewrite = |rate: Option<f64>| {
         let lines = fs::read_to_string(&records).unwrap();
         let change =
@@ -165,29 +167,29 @@ fn a_value_that_repeats_the_reference_is_not_tested() {
     let results = TempDir::new().unwrap();
     let path = results.path();
     let interplay = || entries(path).into_iter().find(|entry| entry.id == "interplay").unwrap();
-    write_group(path, "MazeA", "teach", "default", 0.6, &teach(10, 1, "online"));
-    write_group(path, "MazeA", "teach", "delta=2", 0.6, &teach(10, 2, "online"));
+    write_group(path, "RoomA", "nova", "default", 0.6, &nova(10, 1, "online"));
+    write_group(path, "RoomA", "nova", "delta=2", 0.6, &nova(10, 2, "online"));
     let alone = interplay();
     assert_eq!((alone.verdict, alone.effect.difference), (Verdict::Undecided, None));
     assert_eq!(alone.evidence, "Δ = 2: the same runs as Δ = 1, not tested");
-    write_group(path, "MazeA", "teach", "delta=50", 0.1, &teach(10, 50, "online"));
+    write_group(path, "RoomA", "nova", "delta=50", 0.1, &nova(10, 50, "online"));
     let entry = interplay();
     // With Δ = 2 in the test, an interval of [0, 0] would never let the claim be refuted.
     assert_eq!(entry.verdict, Verdict::Refuted);
     assert!((entry.confidence - 0.95).abs() < 1e-12, "one interval alone: {}", entry.confidence);
     assert!(entry.evidence.ends_with("; Δ = 2: the same runs as Δ = 1, not tested"), "{}", entry.evidence);
     // In another environment the two differ: then both count.
-    write_group(path, "MazeB", "teach", "default", 0.6, &teach(10, 1, "online"));
-    write_group(path, "MazeB", "teach", "delta=2", 0.5, &teach(10, 2, "online"));
+    write_group(path, "RoomB", "nova", "default", 0.6, &nova(10, 1, "online"));
+    write_group(path, "RoomB", "nova", "delta=2", 0.5, &nova(10, 2, "online"));
     assert!((interplay().confidence - 0.975).abs() < 1e-12);
     // The comparisons of the report leave out what repeats its reference, in that environment alone.
-    report::write(path, &Options::default()).unwrap();
+    reports::write(path, &options()).unwrap();
     let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
     let rows = |environment: &str| -> Vec<&str> {
         let of_it = |line: &Vec<&str>| line[1] == environment;
         csv.lines().map(|line| line.split(',').collect()).filter(of_it).map(|line| line[3]).collect()
     };
-    assert_eq!((rows("MazeA"), rows("MazeB")), (vec!["delta=50"], vec!["delta=2"]));
+    assert_eq!((rows("RoomA"), rows("RoomB")), (vec!["delta=50"], vec!["delta=2"]));
 }
 
 #[test]
@@ -196,11 +198,11 @@ fn few_seeds_decide_nothing() {
     for seed in 0..4 {
         write_configured(
             results.path(),
-            &key("E", "teach", "default", seed),
+            &key("E", "nova", "default", seed),
             &[0.0, 1.0],
-            teach(10, 1, "online"),
+            nova(10, 1, "online"),
         );
-        write_configured(results.path(), &key("E", "vds", "default", seed), &[0.0, 0.0], json!({}));
+        write_configured(results.path(), &key("E", "wren", "default", seed), &[0.0, 0.0], json!({}));
     }
     let entries = entries(results.path());
     assert_eq!(entries.len(), 11);
@@ -208,11 +210,12 @@ fn few_seeds_decide_nothing() {
     assert_eq!(entries[0].evidence, "no environment with 5 seeds of both");
 }
 
-/// Seeds 0 to 6 of TEACH and of VDS, which is ahead at every step; TEACH goes on for twice as long where VDS has not.
-fn race(results: &Path, finished: bool) -> Vec<Entry> {
+/// Seeds 0 to 6 of NOVA and of WREN, which is ahead at every step; NOVA goes on for twice as long where WREN
+/// has not.
+fn race(results: &Path, finished: bool) -> Vec<LedgerEntry> {
     for seed in 0..7 {
-        write_run(results, &key("E", "teach", "default", seed), &[0.0, 0.2, 0.6, 0.9]);
-        let behind = write_run(results, &key("E", "vds", "default", seed), &[0.0, 0.4, 0.8]);
+        write_run(results, &key("E", "nova", "default", seed), &[0.0, 0.2, 0.6, 0.9]);
+        let behind = write_run(results, &key("E", "wren", "default", seed), &[0.0, 0.4, 0.8]);
         if !finished {
             fs::remove_file(behind.join(layout::OUTCOME)).unwrap();
         }
@@ -225,13 +228,13 @@ fn a_baseline_that_was_cut_off_decides_nothing() {
     for finished in [false, true] {
         let results = TempDir::new().unwrap();
         let entries = race(results.path(), finished);
-        for id in ["final-vds", "area-vds"] {
+        for id in ["final-wren", "area-wren"] {
             let entry = entries.iter().find(|entry| entry.id == id).unwrap();
             assert_eq!((entry.verdict, entry.effect.pairs), (Verdict::Undecided, 0), "{entry:#?}");
             let expected = "no environment with 5 seeds of both; 7 runs left out, not finished or with other evaluations";
             assert_eq!(entry.evidence, expected);
         }
-        report::write(results.path(), &Options::default()).unwrap();
+        reports::write(results.path(), &options()).unwrap();
         let report = layout::report_dir(results.path());
         let csv = fs::read_to_string(report.join("comparisons.csv")).unwrap();
         let (header, row) = csv.split_once('\n').unwrap();
@@ -246,38 +249,33 @@ fn a_baseline_that_was_cut_off_decides_nothing() {
 fn what_cannot_reach_the_level_is_undecided_and_said() {
     let results = TempDir::new().unwrap();
     // Seven pairs of one sign have p = 1/64; four baselines ask for 1/80.
-    write_group(results.path(), "E", "teach", "default", 0.9, &teach(10, 1, "online"));
-    write_group(results.path(), "E", "vds", "default", 0.1, &json!({}));
-    let vds = || entries(results.path()).into_iter().find(|entry| entry.id == "final-vds").unwrap();
-    let entry = vds();
+    write_group(results.path(), "E", "nova", "default", 0.9, &nova(10, 1, "online"));
+    write_group(results.path(), "E", "wren", "default", 0.1, &json!({}));
+    let wren = || entries(results.path()).into_iter().find(|entry| entry.id == "final-wren").unwrap();
+    let entry = wren();
     assert_eq!((entry.verdict, entry.effect.interval), (Verdict::Undecided, None));
     assert_eq!(entry.effect.p, Some(1.0 / 64.0));
     let expected = "ahead in 1 and behind in 0 of 1 environments, 7 pairs of runs; too few seeds: p of 7 pairs cannot fall \
                     below 0.0156, 0.0125 is needed";
     assert_eq!(entry.evidence, expected);
-    for (curriculum, rate) in [("teach", 0.9), ("vds", 0.1)] {
+    for (curriculum, rate) in [("nova", 0.9), ("wren", 0.1)] {
         write_run(results.path(), &key("E", curriculum, "default", 7), &[0.0, rate]);
     }
-    assert_eq!(vds().verdict, Verdict::Confirmed, "an eighth pair makes it 1/128");
+    assert_eq!(wren().verdict, Verdict::Confirmed, "an eighth pair makes it 1/128");
 }
 
 #[test]
 fn environments_count_alike_whatever_their_seeds() {
     let results = TempDir::new().unwrap();
     // Ahead by 0.6 with 7 seeds and behind by 0.2 with 5; a third environment has too few.
-    for (environment, teach, vds, seeds) in [("A", 0.8, 0.2, 7), ("B", 0.4, 0.6, 5), ("C", 1.0, 0.0, 4)] {
+    for (environment, nova, wren, seeds) in [("A", 0.8, 0.2, 7), ("B", 0.4, 0.6, 5), ("C", 1.0, 0.0, 4)] {
         for seed in 0..seeds {
-            write_configured(
-                results.path(),
-                &key(environment, "teach", "default", seed),
-                &[teach],
-                json!({}),
-            );
-            write_configured(results.path(), &key(environment, "vds", "default", seed), &[vds], json!({}));
+            write_configured(results.path(), &key(environment, "nova", "default", seed), &[nova], json!({}));
+            write_configured(results.path(), &key(environment, "wren", "default", seed), &[wren], json!({}));
         }
     }
     let entries = entries(results.path());
-    let effect = &entries.iter().find(|entry| entry.id == "final-vds").unwrap().effect;
+    let effect = &entries.iter().find(|entry| entry.id == "final-wren").unwrap().effect;
     assert_eq!(effect.environments, ["A", "B"]);
     assert_eq!((effect.pairs, effect.ahead, effect.behind), (12, 1, 1));
     assert!((effect.difference.unwrap() - 0.2).abs() < 1e-9, "(0.6 - 0.2) / 2: {effect:?}");
@@ -287,18 +285,20 @@ fn environments_count_alike_whatever_their_seeds() {
 fn ablations_differ_in_one_field_alone() {
     let results = TempDir::new().unwrap();
     let write = |environment: &str, variant: &str, config: Value| {
-        write_configured(results.path(), &key(environment, "teach", variant, 0), &[0.0, 0.5], config);
+        write_configured(results.path(), &key(environment, "nova", variant, 0), &[0.0, 0.5], config);
     };
-    write("A", "default", teach(10, 1, "online"));
-    write("A", "n=3", teach(3, 1, "online"));
-    write("A", "n=20", teach(20, 1, "online"));
-    write("A", "n=3,target", teach(3, 1, "target"));
-    write("A", "n=3,target-critic", teach(3, 1, "target-critic"));
-    write("B", "n=5,delta=2", teach(5, 2, "online"));
-    write("B", "default", teach(10, 1, "online"));
+    write("A", "default", nova(10, 1, "online"));
+    write("A", "n=3", nova(3, 1, "online"));
+    write("A", "n=20", nova(20, 1, "online"));
+    write("A", "n=3,target", nova(3, 1, "target"));
+    write("A", "n=3,target-critic", nova(3, 1, "target-critic"));
+    write("B", "n=5,delta=2", nova(5, 2, "online"));
+    write("B", "default", nova(10, 1, "online"));
     let store = Store::read(results.path()).unwrap();
-    let groups = group::groups(&store);
-    let found: Vec<Vec<Vec<String>>> = AXES
+    let groups = group::groups(&store, &catalogue());
+    let found: Vec<Vec<Vec<String>>> = catalogue()
+        .paper
+        .axes
         .iter()
         .map(|axis| {
             let levels =

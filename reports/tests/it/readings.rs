@@ -1,22 +1,24 @@
-//! Verdicts under several readings of the paper: which groups are readings, what they are set against, what is said.
+//! Verdicts under several readings of the paper: which groups are readings, what they are set against, what
+//! is said.
 
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, write_configured};
+use super::support::{key, options, write_configured};
+use reports::ReportOptions;
 use reports::analysis::group;
-use reports::analysis::ledger::{Entry, Verdict};
-use reports::analysis::readings::{Claim, Family, Readings};
-use reports::report::{self, Options};
+use reports::analysis::ledger::{LedgerEntry, Verdict};
+use reports::analysis::readings::{JudgedClaim, ReadingFamily, Readings};
 use reports::stats::Resampling;
 use reports::store::Store;
 use reports::store::layout;
+use reports::synthetic::catalogue;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A config of TEACH with these settings, and the goals of its evaluations.
-fn teach(settings: &Value, goals: &str) -> Value {
-    json!({"evaluation": {"goals": goals}, "curriculum": {"teach": settings}})
+/// A config of NOVA with these settings, and the goals of its evaluations.
+fn nova(settings: &Value, goals: &str) -> Value {
+    json!({"evaluation": {"goals": goals}, "curriculum": {"nova": settings}})
 }
 
 fn baseline(curriculum: &str, goals: &str) -> Value {
@@ -38,7 +40,7 @@ pub(crate) fn write(
     }
 }
 
-/// TEACH with two ways to select, HER-IID, and both on evaluation goals of the environment and of the pool.
+/// NOVA with two ways to select, DULL, and both on evaluation goals of the environment and of the pool.
 fn write_four(results: &Path, environment: &str) {
     let select = |selection: &str| json!({"window": 10, "selection": selection});
     for (goals, variant, easier) in [("environment", "", 0.0), ("pool", ",pool", 0.1)] {
@@ -46,36 +48,41 @@ fn write_four(results: &Path, environment: &str) {
         let write = |curriculum: &str, name: &str, rate: f64, config: &Value| {
             write(results, environment, curriculum, &label(name), rate + easier, config);
         };
-        write("teach", "default", 0.7, &teach(&select("proportional"), goals));
-        write("teach", "argmax", 0.4, &teach(&select("argmax"), goals));
-        write("her-iid", "default", 0.4, &baseline("her-iid", goals));
+        write("nova", "default", 0.7, &nova(&select("proportional"), goals));
+        write("nova", "argmax", 0.4, &nova(&select("argmax"), goals));
+        write("dull", "default", 0.4, &baseline("dull", goals));
     }
 }
 
 pub(crate) fn readings(results: &Path) -> Readings {
     let store = Store::read(results).unwrap();
-    Readings::of(&group::groups(&store), 1, Resampling { resamples: 2_000, ..Resampling::default() })
+    Readings::of(
+        &group::groups(&store, &catalogue()),
+        &catalogue(),
+        1,
+        Resampling { resamples: 2_000, ..Resampling::default() },
+    )
 }
 
 /// The one family that there is, that of the default settings.
-pub(crate) fn family(results: &Path) -> Family {
-    let [family] = <[Family; 1]>::try_from(readings(results).families).unwrap();
+pub(crate) fn family(results: &Path) -> ReadingFamily {
+    let [family] = <[ReadingFamily; 1]>::try_from(readings(results).families).unwrap();
     assert_eq!((family.name.as_str(), family.at()), ("", None));
     family
 }
 
-pub(crate) fn claim<'a>(family: &'a Family, id: &str) -> &'a Claim {
+pub(crate) fn claim<'a>(family: &'a ReadingFamily, id: &str) -> &'a JudgedClaim {
     family.claims.iter().find(|claim| claim.judged[0].1.id == id).unwrap()
 }
 
-pub(crate) fn names(family: &Family) -> Vec<String> {
+pub(crate) fn names(family: &ReadingFamily) -> Vec<String> {
     (1..=family.readings.len()).map(|number| family.reading(number)).collect()
 }
 
 #[test]
 fn a_verdict_that_hangs_on_a_choice_is_named_by_it() {
     let results = TempDir::new().unwrap();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write_four(results.path(), environment);
     }
     let found = family(results.path());
@@ -88,8 +95,8 @@ fn a_verdict_that_hangs_on_a_choice_is_named_by_it() {
     ];
     assert_eq!(names(&found), expected);
     let ids: Vec<&str> = found.claims.iter().map(|claim| claim.judged[0].1.id.as_str()).collect();
-    assert_eq!(ids, ["final-her-iid", "area-her-iid"], "baselines that are there");
-    let claim = claim(&found, "final-her-iid");
+    assert_eq!(ids, ["final-dull", "area-dull"], "baselines that are there");
+    let claim = claim(&found, "final-dull");
     let verdicts: Vec<(usize, Verdict)> = claim.judged.iter().map(|(n, entry)| (*n, entry.verdict)).collect();
     let (yes, open) = (Verdict::Confirmed, Verdict::Undecided);
     assert_eq!(verdicts, [(1, yes), (2, open), (3, open), (4, yes)]);
@@ -111,13 +118,13 @@ fn a_verdict_that_hangs_on_a_choice_is_named_by_it() {
 #[test]
 fn readings_are_judged_as_the_ledger_judges() {
     let results = TempDir::new().unwrap();
-    write_four(results.path(), "MazeA");
+    write_four(results.path(), "RoomA");
     let store = Store::read(results.path()).unwrap();
-    let groups = group::groups(&store);
+    let groups = group::groups(&store, &catalogue());
     let resampling = Resampling { resamples: 2_000, ..Resampling::default() };
-    let ledger: Vec<Entry> = reports::analysis::ledger::ledger(&groups, 1, resampling);
+    let ledger: Vec<LedgerEntry> = reports::analysis::ledger::ledger(&groups, &catalogue(), 1, resampling);
     let found = family(results.path());
-    for id in ["final-her-iid", "area-her-iid"] {
+    for id in ["final-dull", "area-dull"] {
         // Four baselines there and four readings here: the same level.
         let default = ledger.iter().find(|entry| entry.id == id).unwrap();
         assert_eq!(claim(&found, id).judged[0].1, *default);
@@ -127,48 +134,48 @@ fn readings_are_judged_as_the_ledger_judges() {
 #[test]
 fn verdicts_that_agree_are_said_to() {
     let results = TempDir::new().unwrap();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write(
             results.path(),
             environment,
-            "teach",
+            "nova",
             "default",
             0.8,
-            &teach(&json!({"states": "reference"}), "pool"),
+            &nova(&json!({"states": "reference"}), "pool"),
         );
         write(
             results.path(),
             environment,
-            "teach",
+            "nova",
             "replay",
             0.7,
-            &teach(&json!({"states": "replay"}), "pool"),
+            &nova(&json!({"states": "replay"}), "pool"),
         );
-        write(results.path(), environment, "her-iid-pool", "default", 0.3, &baseline("her-iid-pool", "pool"));
+        write(results.path(), environment, "dull-pool", "default", 0.3, &baseline("dull-pool", "pool"));
     }
     let found = family(results.path());
-    let claim = claim(&found, "final-her-iid-pool");
+    let claim = claim(&found, "final-dull-pool");
     assert_eq!(claim.conclusion, "the same under all 2 readings: confirmed");
     assert!(!claim.hangs());
-    assert!(claim.judged[0].1.statement.contains("HER-IID-pool"), "the control counts as a baseline here");
+    assert!(claim.judged[0].1.statement.contains("DULL-pool"), "the control counts as a baseline here");
 }
 
 #[test]
 fn verdicts_that_no_single_choice_decides_are_named_by_number() {
     let results = TempDir::new().unwrap();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         for (variant, states, selection, rate) in [
             ("default", "reference", "proportional", 0.8),
             ("v2", "reference", "argmax", 0.3),
             ("v3", "replay", "argmax", 0.85),
             ("v4", "replay", "proportional", 0.1),
         ] {
-            let config = teach(&json!({"states": states, "selection": selection}), "environment");
-            write(results.path(), environment, "teach", variant, rate, &config);
+            let config = nova(&json!({"states": states, "selection": selection}), "environment");
+            write(results.path(), environment, "nova", variant, rate, &config);
         }
-        write(results.path(), environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+        write(results.path(), environment, "dull", "default", 0.3, &baseline("dull", "environment"));
     }
-    let conclusion = claim(&family(results.path()), "final-her-iid").conclusion.clone();
+    let conclusion = claim(&family(results.path()), "final-dull").conclusion.clone();
     let expected = "hangs on the reading: confirmed under readings 1, 3, refuted under reading 4, undecided under reading 2";
     assert_eq!(conclusion, expected);
 }
@@ -178,16 +185,16 @@ fn readings_with_the_same_runs_are_one() {
     let results = TempDir::new().unwrap();
     let path = results.path();
     let write_record = |environment: &str, variant: &str, record: &str, states: &str, rate: f64| {
-        let config = teach(&json!({"record": record, "states": states, "interplay": 1}), "environment");
-        write(path, environment, "teach", variant, rate, &config);
+        let config = nova(&json!({"record": record, "states": states, "interplay": 1}), "environment");
+        write(path, environment, "nova", variant, rate, &config);
     };
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write_record(environment, "default", "cycle", "reference", 0.6);
         write_record(environment, "record", "evaluation", "reference", 0.6);
-        write(path, environment, "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+        write(path, environment, "dull", "default", 0.3, &baseline("dull", "environment"));
     }
     assert_eq!(readings(path), Readings::default(), "one reading under two names is one");
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write_record(environment, "record,states=initial", "evaluation", "initial", 0.5);
         write_record(environment, "record,states=replay", "evaluation", "replay", 0.1);
     }
@@ -198,7 +205,7 @@ fn readings_with_the_same_runs_are_one() {
         "states = replay, record = evaluation",
     ];
     assert_eq!(names(&found), expected);
-    let claim = claim(&found, "final-her-iid");
+    let claim = claim(&found, "final-dull");
     let expected =
         "hangs on the reading: confirmed under states = reference or initial, refuted under states = replay";
     assert_eq!(claim.conclusion, expected);
@@ -210,26 +217,26 @@ fn readings_with_the_same_runs_are_one() {
 fn only_environments_with_all_readings_count() {
     let results = TempDir::new().unwrap();
     let path = results.path();
-    for environment in ["MazeA", "MazeC"] {
+    for environment in ["RoomA", "RoomC"] {
         write_four(path, environment);
     }
     // Here the default alone was run, and it is far behind.
     write(
         path,
-        "MazeB",
-        "teach",
+        "RoomB",
+        "nova",
         "default",
         0.1,
-        &teach(&json!({"window": 10, "selection": "proportional"}), "pool"),
+        &nova(&json!({"window": 10, "selection": "proportional"}), "pool"),
     );
-    write(path, "MazeB", "her-iid", "default", 0.9, &baseline("her-iid", "pool"));
+    write(path, "RoomB", "dull", "default", 0.9, &baseline("dull", "pool"));
     let found = family(path);
     assert_eq!(
         (found.environments.join(" "), found.left_out.join(" ")),
-        ("MazeA MazeC".into(), "MazeB".into())
+        ("RoomA RoomC".into(), "RoomB".into())
     );
-    for (_, entry) in claim(&found, "final-her-iid").judged.iter() {
-        assert_eq!(entry.effect.environments, ["MazeA", "MazeC"]);
+    for (_, entry) in claim(&found, "final-dull").judged.iter() {
+        assert_eq!(entry.effect.environments, ["RoomA", "RoomC"]);
     }
 }
 
@@ -237,23 +244,23 @@ fn only_environments_with_all_readings_count() {
 fn a_baseline_without_some_settings_is_set_against_the_others() {
     let results = TempDir::new().unwrap();
     let path = results.path();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write_four(path, environment);
-        write(path, environment, "vds", "default", 0.2, &baseline("vds", "environment"));
+        write(path, environment, "wren", "default", 0.2, &baseline("wren", "environment"));
         // With other settings of the student: set against nothing.
-        let mut other = baseline("space", "environment");
+        let mut other = baseline("moss", "environment");
         other["student"] = json!({"width": 64});
-        write(path, environment, "space", "default", 0.2, &other);
+        write(path, environment, "moss", "default", 0.2, &other);
     }
     let found = family(path);
-    let vds = claim(&found, "final-vds");
-    let numbers: Vec<usize> = vds.judged.iter().map(|(number, _)| *number).collect();
+    let wren = claim(&found, "final-wren");
+    let numbers: Vec<usize> = wren.judged.iter().map(|(number, _)| *number).collect();
     assert_eq!(numbers, [1, 2]);
     let expected =
-        "the same under all 2 readings: confirmed; no runs of VDS with the same settings under 2 more";
-    assert_eq!(vds.conclusion, expected);
-    assert!((vds.judged[0].1.confidence - 0.975).abs() < 1e-12, "two are tested");
-    assert!(found.claims.iter().all(|claim| claim.judged[0].1.id != "final-space"));
+        "the same under all 2 readings: confirmed; no runs of WREN with the same settings under 2 more";
+    assert_eq!(wren.conclusion, expected);
+    assert!((wren.judged[0].1.confidence - 0.975).abs() < 1e-12, "two are tested");
+    assert!(found.claims.iter().all(|claim| claim.judged[0].1.id != "final-moss"));
 }
 
 #[test]
@@ -261,12 +268,12 @@ fn other_settings_of_teach_are_no_readings() {
     let results = TempDir::new().unwrap();
     let path = results.path();
     for (variant, window) in [("default", 10), ("n=3", 3)] {
-        let config = teach(&json!({"window": window, "selection": "proportional"}), "environment");
-        write(path, "MazeA", "teach", variant, 0.5, &config);
+        let config = nova(&json!({"window": window, "selection": "proportional"}), "environment");
+        write(path, "RoomA", "nova", variant, 0.5, &config);
     }
-    write(path, "MazeA", "her-iid", "default", 0.3, &baseline("her-iid", "environment"));
+    write(path, "RoomA", "dull", "default", 0.3, &baseline("dull", "environment"));
     assert_eq!(readings(path), Readings::default());
-    let written = report::write(path, &Options::default()).unwrap();
+    let written = reports::write(path, &options()).unwrap();
     let folder = layout::report_dir(path);
     assert!(!folder.join("tables/readings.tex").exists());
     assert_eq!(fs::read_to_string(folder.join("readings.csv")).unwrap().lines().count(), 1, "a header alone");
@@ -279,16 +286,16 @@ fn other_settings_of_teach_are_no_readings() {
 fn the_report_shows_every_claim_with_its_conclusion() {
     let results = TempDir::new().unwrap();
     let path = results.path();
-    for environment in ["MazeA", "MazeB"] {
+    for environment in ["RoomA", "RoomB"] {
         write_four(path, environment);
     }
-    report::write(path, &Options { window: 1, ..Options::default() }).unwrap();
+    reports::write(path, &ReportOptions { window: 1, ..options() }).unwrap();
     let folder = layout::report_dir(path);
     let csv = fs::read_to_string(folder.join("readings.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + 2 * 4, "a row per claim and reading");
     let summary = fs::read_to_string(folder.join("summary.md")).unwrap();
     let (_, section) = summary.split_once("## Does a claim's verdict hang on the reading?").unwrap();
-    let row = "| TEACH reaches a higher final success than HER-IID on average over environments | all together | hangs on it | \
+    let row = "| NOVA reaches a higher final success than DULL on average over environments | all together | hangs on it | \
                hangs on the reading: confirmed under selection = proportional, undecided under selection = argmax |  |  |";
     assert!(section.contains(row), "{section}");
     assert!(section.contains("| 1: selection = proportional, evaluation goals = environment | confirmed |"));

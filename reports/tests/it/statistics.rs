@@ -148,8 +148,9 @@ fn score(rng: &mut ChaCha8Rng) -> f64 {
     (0..100).filter(|_| rng.random_bool(rate.clamp(0.0, 1.0))).count() as f64 / 100.0
 }
 
-/// The shares of 2,000 made-up experiments in which an interval excludes 0 though both sides of every pair come from one
-/// distribution: of the sign-flip test and of the bootstrap. `pairs` in each of the environments.
+/// The shares of 2,000 made-up experiments in which an interval excludes 0 though both sides of every pair
+/// come from one distribution: of the sign-flip test and of the bootstrap. `pairs` in each of the
+/// environments.
 fn false_alarms(pairs: &[usize], confidence: f64) -> (f64, f64) {
     const EXPERIMENTS: usize = 2_000;
     let mut rng = ChaCha8Rng::seed_from_u64(7);

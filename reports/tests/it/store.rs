@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, record, write_run};
+use super::support::{key, line, options, record, write_run};
 use reports::ReportError;
-use reports::report::{self, Options};
 use reports::schema::{Crash, Outcome, Record};
 use reports::store::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
 use reports::store::{Results, RunFolder, Store};
@@ -15,7 +14,7 @@ use tempfile::TempDir;
 /// Gives the problems as text and the indices of the evaluations that are left.
 fn damaged(damage: impl FnOnce(&Path)) -> (Vec<String>, Vec<u64>) {
     let results = TempDir::new().unwrap();
-    let folder = write_run(results.path(), &key("E", "teach", "default", 0), &[0.0, 0.25, 0.5, 1.0]);
+    let folder = write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.25, 0.5, 1.0]);
     damage(&folder);
     let store = Store::read(results.path()).unwrap();
     let problems = store.problems().iter().map(ToString::to_string).collect();
@@ -30,7 +29,7 @@ fn edit(folder: &Path, change: impl FnOnce(Vec<String>) -> Vec<String>) {
     fs::write(&path, change(lines).concat()).unwrap();
 }
 
-const FOLDER: &str = "runs/E/teach/default/seed-0";
+const FOLDER: &str = "runs/E/nova/default/seed-0";
 
 #[test]
 fn sound_results_have_no_problems() {
@@ -103,8 +102,8 @@ fn an_evaluation_of_another_run_is_foreign() {
             lines
         });
     });
-    let expected = "records.jsonl:3: evaluation of E/teach/default/seed-5, ignored; the manifest here says \
-                    E/teach/default/seed-0";
+    let expected = "records.jsonl:3: evaluation of E/nova/default/seed-5, ignored; the manifest here says \
+                    E/nova/default/seed-0";
     assert!(problems[0].ends_with(expected), "{problems:?}");
     assert_eq!(left, [0, 1, 3]);
 }
@@ -113,7 +112,7 @@ fn an_evaluation_of_another_run_is_foreign() {
 fn an_evaluation_that_comes_twice_counts_once() {
     let (problems, left) = damaged(|folder| {
         edit(folder, |mut lines| {
-            lines.insert(2, line(&record(&key("E", "teach", "default", 0), 1, 0.75)));
+            lines.insert(2, line(&record(&key("E", "nova", "default", 0), 1, 0.75)));
             lines
         });
     });
@@ -198,7 +197,7 @@ fn manifests_are_checked() {
     assert_eq!((problems, left), (vec![expected], vec![]));
 
     let (problems, left) = damaged(manifest("\"seed\":0", "\"seed\":4"));
-    assert!(problems[0].contains("manifest of E/teach/default/seed-4, run ignored"), "{problems:?}");
+    assert!(problems[0].contains("manifest of E/nova/default/seed-4, run ignored"), "{problems:?}");
     assert_eq!(left, [0; 0]);
 
     let (problems, _) = damaged(|folder| fs::remove_file(folder.join(MANIFEST)).unwrap());
@@ -255,7 +254,7 @@ fn files_that_belong_elsewhere_are_named() {
     });
     let expected =
         "notes.txt: unexpected here, ignored; expected folders ENVIRONMENT/CURRICULUM/VARIANT/seed-N";
-    assert_eq!(problems, [format!("runs/E/teach/default/{expected}")]);
+    assert_eq!(problems, [format!("runs/E/nova/default/{expected}")]);
     assert_eq!(left, [0, 1, 2, 3]);
 }
 
@@ -318,15 +317,15 @@ fn a_crash_counts_until_an_evaluation_beyond_it_is_recorded() {
 #[test]
 fn runs_of_one_curve_must_be_configured_alike() {
     let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "teach", "default", 0), &[0.0]);
-    let folder = write_run(results.path(), &key("E", "teach", "default", 1), &[0.0]);
+    write_run(results.path(), &key("E", "nova", "default", 0), &[0.0]);
+    let folder = write_run(results.path(), &key("E", "nova", "default", 1), &[0.0]);
     let path = folder.join(MANIFEST);
     fs::write(&path, fs::read_to_string(&path).unwrap().replace("256", "512")).unwrap();
     let problems: Vec<String> =
         Store::read(results.path()).unwrap().problems().iter().map(ToString::to_string).collect();
     let expected =
-        "config differs from E/teach/default/seed-0 at `/agent/width`, kept: their curve mixes both";
-    assert_eq!(problems, [format!("runs/E/teach/default/seed-1/manifest.json: {expected}")]);
+        "config differs from E/nova/default/seed-0 at `/agent/width`, kept: their curve mixes both";
+    assert_eq!(problems, [format!("runs/E/nova/default/seed-1/manifest.json: {expected}")]);
 }
 
 #[test]
@@ -356,8 +355,8 @@ fn other_folders_are_refused_with_what_was_expected() {
 #[test]
 fn records_older_than_success_at_any_step_are_read() {
     let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "teach", "default", 1), &[0.0, 0.5]);
-    let folder = write_run(results.path(), &key("E", "teach", "default", 0), &[0.0, 0.5]);
+    write_run(results.path(), &key("E", "nova", "default", 1), &[0.0, 0.5]);
+    let folder = write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5]);
     edit(&folder, |lines| {
         let old = |line: String| {
             let (before, after) = line.split_once("\"any_success_rate\":").unwrap();
@@ -367,28 +366,12 @@ fn records_older_than_success_at_any_step_are_read() {
     });
     let store = Store::read(results.path()).unwrap();
     assert_eq!(store.problems(), []);
-    assert_eq!(store.frame().unwrap().column("any_success_rate").unwrap().null_count(), 2);
-    let missing = report::write(results.path(), &Options::default()).unwrap().missing;
+    let rates = store.runs()[0].records.iter().map(|record| record.any_success_rate);
+    assert_eq!(rates.collect::<Vec<_>>(), [None, None]);
+    let missing = reports::write(results.path(), &options()).unwrap().missing;
     let expected = "success at any step: 1 of 2 runs have no record of it (older than the field)";
     assert!(missing.iter().any(|text| text == expected), "{missing:#?}");
     let csv = fs::read_to_string(layout::report_dir(results.path()).join("summary.csv")).unwrap();
     let at_any_step = csv.lines().map(|line| line.split(',').nth(6).unwrap()).collect::<Vec<_>>();
     assert_eq!(at_any_step, ["final_any_mean", ""], "no mean without a seed");
-}
-
-#[test]
-fn the_frame_has_a_row_per_evaluation() {
-    let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "vds", "default", 0), &[0.0, 0.5]);
-    write_run(results.path(), &key("E", "teach", "default", 10), &[0.25]);
-    write_run(results.path(), &key("E", "teach", "default", 9), &[0.75]);
-    let frame = Store::read(results.path()).unwrap().frame().unwrap();
-    assert_eq!(frame.shape(), (4, 13));
-    let rates: Vec<Option<f64>> = frame.column("success_rate").unwrap().f64().unwrap().to_vec();
-    assert_eq!(rates, [0.75, 0.25, 0.0, 0.5].map(Some));
-    let at_any_step = frame.column("any_success_rate").unwrap().f64().unwrap().to_vec();
-    assert_eq!(at_any_step, [0.8, 0.3, 0.05, 0.55].map(Some));
-    let entropies = frame.column("teacher.entropy").unwrap().f64().unwrap().to_vec();
-    assert_eq!(entropies, [0.0, 0.0, 0.0, 1.0].map(Some));
-    assert_eq!(frame.column("teacher.undefined").unwrap().null_count(), 4);
 }

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::environment::{EnvironmentInfo, MazeInfo};
-use reports::report::{self, Options};
+use reports::ReportOptions;
+use reports::analysis::catalogue::{EnvironmentInfo, MazeInfo};
 use reports::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
 use reports::store::layout;
-use reports::synthetic::Experiment;
+use reports::synthetic::{Experiment, catalogue};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
@@ -20,8 +20,13 @@ pub(crate) fn key(environment: &str, curriculum: &str, variant: &str, seed: u64)
     RunKey { environment: environment.into(), curriculum: curriculum.into(), variant: variant.into(), seed }
 }
 
-/// A finished run with an evaluation of 20 episodes (or 1,000) every 1,000 steps, `rates` their success rates. Gives the
-/// folder of the run.
+/// The usual options, with the made-up catalogue.
+pub(crate) fn options() -> ReportOptions {
+    ReportOptions { catalogue: catalogue(), ..ReportOptions::default() }
+}
+
+/// A finished run with an evaluation of 20 episodes (or 1,000) every 1,000 steps, `rates` their success
+/// rates. Gives the folder of the run.
 pub(crate) fn write_run(results: &Path, run: &RunKey, rates: &[f64]) -> PathBuf {
     write_configured(results, run, rates, json!({"agent": {"width": 256}}))
 }
@@ -85,12 +90,12 @@ pub(crate) fn line<T: Serialize>(value: &T) -> String {
 /// Results of two mazes with names of trouble, and their report with every kind of figure and table.
 pub(crate) fn every_kind() -> TempDir {
     let results = TempDir::new().unwrap();
-    let environments = ["MazeA", "MazeB"].map(String::from).to_vec();
+    let environments = ["RoomA", "RoomB"].map(String::from).to_vec();
     for (seed, curricula, variants) in [
-        (0, vec!["teach", "vds", "her-iid"], vec!["default"]),
-        (1, vec!["teach"], vec!["n=3", "n=3,confidence=target-critic", "delta=5"]),
+        (0, vec!["nova", "wren", "dull"], vec!["default"]),
+        (1, vec!["nova"], vec!["n=3", "n=3,confidence=target-critic", "delta=5"]),
         // Readings of the paper, two at each Δ.
-        (2, vec!["teach"], vec!["selection=argmax", "delta=5,record=evaluation"]),
+        (2, vec!["nova"], vec!["selection=argmax", "delta=5,record=evaluation"]),
     ] {
         let experiment = Experiment {
             environments: environments.clone(),
@@ -108,7 +113,7 @@ pub(crate) fn every_kind() -> TempDir {
     for environment in &environments {
         write_run(results.path(), &key(environment, HOSTILE, "default", 0), &[0.0, 0.5]);
     }
-    write_run(results.path(), &key("MazeA", "teach", "</style><script>", 0), &[0.0, 0.5]);
+    write_run(results.path(), &key("RoomA", "nova", "</style><script>", 0), &[0.0, 0.5]);
     let info = |id: &str| EnvironmentInfo {
         id: id.to_owned(),
         state: 2,
@@ -119,17 +124,15 @@ pub(crate) fn every_kind() -> TempDir {
         note: HOSTILE.to_owned(),
     };
     let maze = |id: &str| MazeInfo { id: id.to_owned(), grid: ["S.", ".."].map(String::from).to_vec() };
-    let options = Options {
-        environments: ["MazeA", "MazeB"].map(info).to_vec(),
-        mazes: ["MazeA", "MazeB"].map(maze).to_vec(),
-        ..Options::default()
-    };
-    report::write(results.path(), &options).unwrap();
+    let mut options = options();
+    options.catalogue.environments = ["RoomA", "RoomB"].map(info).to_vec();
+    options.catalogue.mazes = ["RoomA", "RoomB"].map(maze).to_vec();
+    reports::write(results.path(), &options).unwrap();
     results
 }
 
-/// A program that a test needs; `None`, and a word about it, where it is not installed and the variable `required`
-/// does not insist.
+/// A program that a test needs; `None`, and a word about it, where it is not installed and the variable
+/// `required` does not insist.
 #[expect(clippy::print_stdout, reason = "says that a test was skipped")]
 pub(crate) fn program(name: &str, required: &str) -> Option<PathBuf> {
     let path = std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())

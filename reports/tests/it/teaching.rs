@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, write_run};
-use reports::environment::MazeInfo;
-use reports::report::{self, Options};
+use super::support::{key, line, options, write_run};
+use reports::analysis::catalogue::MazeInfo;
 use reports::schema::Teaching;
 use reports::store::layout;
 use reports::store::{self, Store};
@@ -28,7 +27,7 @@ fn teaching(eval_index: u64) -> Teaching {
 /// A run in a maze with this content of its teaching file. Gives the lines read and the problems as text.
 fn read(content: &str) -> (Vec<Teaching>, Vec<String>) {
     let results = TempDir::new().unwrap();
-    let folder = write_run(results.path(), &key("M", "teach", "default", 0), &[0.0, 0.5]);
+    let folder = write_run(results.path(), &key("M", "nova", "default", 0), &[0.0, 0.5]);
     fs::write(folder.join(layout::TEACHING), content).unwrap();
     let store = Store::read(results.path()).unwrap();
     assert_eq!(store.problems(), [], "records are sound");
@@ -66,7 +65,7 @@ fn each_damaged_line_is_named() {
         "8: scores is 3 long, line ignored; expected as many entries as goals",
         "9: evaluation 1 again, ignored; line 1 has it",
     ];
-    assert_eq!(problems, expected.map(|text| format!("runs/M/teach/default/seed-0/teaching.jsonl:{text}")));
+    assert_eq!(problems, expected.map(|text| format!("runs/M/nova/default/seed-0/teaching.jsonl:{text}")));
 }
 
 #[test]
@@ -91,51 +90,53 @@ fn what_teachers_picked_is_a_table_where_they_tell() {
         });
         fs::write(&records, told.collect::<String>()).unwrap();
     };
-    write_run(path, &key("M", "her-iid", "default", 0), &[0.0, 0.5, 0.5]);
+    write_run(path, &key("M", "dull", "default", 0), &[0.0, 0.5, 0.5]);
     let table = layout::report_dir(path).join("tables/teaching.tex");
-    report::write(path, &Options::default()).unwrap();
+    reports::write(path, &options()).unwrap();
     assert!(!table.exists(), "no teacher tells anything");
-    write("space", 0, [900, 10, 20]);
-    write("space", 1, [900, 40, 50]);
-    let written = report::write(path, &Options::default()).unwrap();
-    // The one of HER-IID; no environment is known to be a maze.
+    write("moss", 0, [900, 10, 20]);
+    write("moss", 1, [900, 40, 50]);
+    let written = reports::write(path, &options()).unwrap();
+    // The one of DULL; no environment is known to be a maze.
     let silent =
         "which goals of the pool were picked: 1 of 3 runs have no record of it (older than the field)";
     assert!(written.missing.iter().any(|text| text == silent), "{:?}", written.missing);
     assert!(table.is_file());
     let csv = fs::read_to_string(layout::report_dir(path).join("teaching.csv")).unwrap();
     let expected = "environment,curriculum,variant,n_seeds,picked_goals,effective_picks,effective_goals,pick_rank_mean,\
-                    score_success_correlation\nM,space,default,2,30.0,,,,\nM,her-iid,default,1,,,,,\n";
+                    score_success_correlation\nM,moss,default,2,30.0,,,,\nM,dull,default,1,,,,,\n";
     // Over evaluations 1 and 2 of two seeds: (15 + 45) / 2.
     assert_eq!(csv, expected);
     let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
     let (_, section) = summary.split_once("## What teachers picked").unwrap();
-    assert!(section.contains("| M | SPaCE | default | 30.0 | – | – | – | – |"), "{section}");
+    assert!(section.contains("| M | MoSS | default | 30.0 | – | – | – | – |"), "{section}");
     assert!(section.contains("0.5 where every rank has its fair share of turns"));
 }
 
-fn report(results: &Path) -> report::Written {
+fn report(results: &Path) -> reports::Written {
     let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
-    report::write(results, &Options { mazes: vec![maze], ..Options::default() }).unwrap()
+    let mut options = options();
+    options.catalogue.mazes = vec![maze];
+    reports::write(results, &options).unwrap()
 }
 
 #[test]
 fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let results = TempDir::new().unwrap();
-    let folder = write_run(results.path(), &key("M", "teach", "default", 0), &[0.0, 0.5]);
+    let folder = write_run(results.path(), &key("M", "nova", "default", 0), &[0.0, 0.5]);
     let heat = layout::report_dir(results.path()).join("figures/heat-M.svg");
     let without = report(results.path());
     assert!(!heat.exists());
-    let lacks = |written: &report::Written, method: &str| {
+    let lacks = |written: &reports::Written, method: &str| {
         let text = format!("M: {method}: no record of what the teacher did, so no heat map");
         written.missing.contains(&text)
     };
-    assert!(lacks(&without, "TEACH"));
-    write_run(results.path(), &key("M", "vds", "default", 0), &[0.0, 0.5]);
+    assert!(lacks(&without, "NOVA"));
+    write_run(results.path(), &key("M", "wren", "default", 0), &[0.0, 0.5]);
     fs::write(folder.join(layout::TEACHING), line(&teaching(1)) + "damaged\n").unwrap();
     let with = report(results.path());
     assert!(heat.is_file());
-    assert!(lacks(&with, "VDS") && !lacks(&with, "TEACH"), "{:?}", with.missing);
+    assert!(lacks(&with, "WREN") && !lacks(&with, "NOVA"), "{:?}", with.missing);
     assert_eq!(with.problems.len(), 1);
     assert_eq!(with.problems[0].line, Some(2));
 }
@@ -146,11 +147,12 @@ fn all_runs_are_asked_for_what_was_picked_whatever_they_choose_from() {
         let results = TempDir::new().unwrap();
         let experiment = Experiment { seeds: 1, evaluations: 3, ..Experiment::default() };
         experiment.write(results.path()).unwrap();
-        write_run(results.path(), &key("FetchReach", "teach", variant, 0), &[0.0, 0.5]);
-        let missing = report::write(results.path(), &Options::default()).unwrap().missing;
+        write_run(results.path(), &key("ArmReach", "nova", variant, 0), &[0.0, 0.5]);
+        let missing = reports::write(results.path(), &options()).unwrap().missing;
         missing.into_iter().find(|text| text.contains("were picked"))
     };
-    // Of six methods none is silent, HER-IID with its number that is not defined neither; an ablation's run counts.
+    // Of six methods none is silent, DULL with its number that is not defined neither; an ablation's run
+    // counts.
     let silent =
         "which goals of the pool were picked: 1 of 7 runs have no record of it (older than the field)";
     assert_eq!(made("n=3").as_deref(), Some(silent));

@@ -12,6 +12,7 @@ use crate::Registry;
 use crate::cli::complain;
 use crate::cli::flags::parse_seeds;
 use crate::error::HarnessError;
+use crate::paper;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::regress;
@@ -73,14 +74,14 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };
     let found = cells::read(results.path(), &expected)?;
     let result = compare(&before, &found.cells, found.failures, settings);
-    let titles = regress::titles();
+    let catalogue = paper::catalogue(registry);
     let check = Check {
         result: &result,
         before: &before,
         now: &found.cells,
         exact: args.exact,
         notes,
-        titles: &titles,
+        catalogue: &catalogue,
     };
     print(&if args.json { format!("{:#}\n", output::json(&check)) } else { output::text(&check) });
     if let Some(folder) = &args.out {

@@ -1,23 +1,16 @@
 //! The difference between two ways to train, over environments, from runs paired by seed.
 
 use super::verdict::Interval;
+use crate::analysis::catalogue::Measure;
 use crate::analysis::complete::Pair;
 use crate::analysis::group;
 use crate::analysis::scores;
 use crate::stats::{self, Resampling};
 use crate::store::Run;
 
-/// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an environment.
+/// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an
+/// environment.
 pub const FEWEST_PAIRS: usize = 5;
-
-/// What a run is judged by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
-    /// [`scores::final_score`].
-    Final,
-    /// [`scores::area_under_curve`].
-    Area,
-}
 
 /// A mean difference of success rates and what it rests on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,7 +29,8 @@ pub struct Effect {
     pub behind: usize,
     /// Pairs in all of them.
     pub pairs: usize,
-    /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the others.
+    /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the
+    /// others.
     pub left_out: usize,
 }
 

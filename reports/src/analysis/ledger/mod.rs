@@ -1,28 +1,28 @@
-//! The claims of the paper's sections 5.3 to 5.6 as testable statements, each with a verdict on the data at hand.
+//! The claims of a paper as testable statements, each with a verdict on the data at hand.
 //!
 //! Finished runs of the same evaluations are compared, paired by seed, by the exact sign-flip test
-//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the interval that
-//! inverts the test: what lies outside is refused. Where a claim (or a family of claims of one kind) looks at several
-//! intervals, each is widened by Bonferroni's correction, so that all of them together keep the confidence.
+//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the
+//! interval that inverts the test: what lies outside is refused. Where a claim (or a family of claims of one
+//! kind) looks at several intervals, each is widened by Bonferroni's correction, so that all of them together
+//! keep the confidence.
 
 mod effect;
 mod verdict;
 mod versus;
 
-pub use effect::{Effect, FEWEST_PAIRS, Measure};
+pub use effect::{Effect, FEWEST_PAIRS};
 pub use verdict::{MARGIN, Verdict};
-pub(crate) use versus::{corrected, versus};
+pub(crate) use versus::{Above, corrected};
 
-use crate::analysis::ablation::{self, Ablation, Axis, Level};
+use crate::analysis::ablation::{self, Ablation, Level};
+use crate::analysis::catalogue::{Axis, Catalogue, Claim, ClaimKind, Measure, Rule};
 use crate::analysis::complete::Pair;
 use crate::analysis::group::{self, Group};
-use crate::paper::{self, BASELINES};
 use crate::stats::Resampling;
-use verdict::{EQUIVALENT, NOT_ABOVE, SOME_ABOVE};
 
 /// A claim and its verdict.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct LedgerEntry {
     /// Short name, unique in the ledger.
     pub id: String,
     /// Where the paper shows it.
@@ -43,136 +43,80 @@ pub struct Entry {
     pub evidence: String,
 }
 
-/// The whole ledger: every claim, also those that the data say nothing about. `groups` come in order.
-pub fn ledger(groups: &[Group<'_>], window: usize, resampling: Resampling) -> Vec<Entry> {
-    let judge = Judge { groups, window, resampling };
-    let mut entries = Vec::new();
-    for measure in [Measure::Final, Measure::Area] {
-        entries.extend(BASELINES.iter().map(|baseline| judge.baseline(baseline, measure)));
-    }
-    entries.extend(ABLATION_CLAIMS.iter().map(|claim| judge.ablation(claim)));
-    entries
-}
-
-/// A claim about one field of TEACH's config.
-struct AblationClaim {
-    id: &'static str,
-    axis: &'static Axis,
-    /// The values that the claim is about, best first: it rests on the first that any run has, the others are shown and
-    /// not tested. Empty: it rests on every value.
-    about: &'static [&'static str],
-    source: &'static str,
-    statement: &'static str,
-    rule: &'static str,
-    verdict: fn(&[verdict::Interval]) -> Verdict,
-    /// Which of several effects the verdict hangs on; how far each is from where it would not.
-    weight: fn(&Effect) -> f64,
-}
-
-static ABLATION_CLAIMS: [AblationClaim; 3] = [
-    AblationClaim {
-        id: "target-confidence",
-        axis: &ablation::CONFIDENCE,
-        // Section 5.4 and Eq. 12 speak of a smooth value function alone; old results have no such runs.
-        about: &["target-critic", "target"],
-        source: "Figure 3",
-        statement: "Confidence of the smooth value function (the target critic) gives no better final success than that \
-                    of the online networks",
-        rule: NOT_ABOVE,
-        verdict: verdict::not_above,
-        weight: highest,
-    },
-    AblationClaim {
-        id: "window",
-        axis: &ablation::WINDOW,
-        about: &[],
-        source: "Figure 4",
-        statement: "Final success does not depend on the window n (each value against n = 10)",
-        rule: EQUIVALENT,
-        verdict: verdict::equivalent,
-        weight: farthest,
-    },
-    AblationClaim {
-        id: "interplay",
-        axis: &ablation::INTERPLAY,
-        about: &[],
-        source: "Figure 5",
-        statement: "A larger Δ can help: some Δ > 1 gives a higher final success than Δ = 1",
-        rule: SOME_ABOVE,
-        verdict: verdict::some_above,
-        weight: best_supported,
-    },
-];
-
-/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all that have
-/// one.
-fn best_supported(effect: &Effect) -> f64 {
-    effect
-        .interval
-        .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
-}
-
-/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper end of the
-/// interval.
-fn highest(effect: &Effect) -> f64 {
-    let Some((low, high)) = effect.interval else {
-        return effect.difference.map_or(-8.0, |difference| difference - 4.0);
+/// The whole ledger: every claim of the catalogue's paper, also those that the data say nothing about.
+/// `groups` come in order.
+pub fn ledger(
+    groups: &[Group<'_>],
+    catalogue: &Catalogue,
+    window: usize,
+    resampling: Resampling,
+) -> Vec<LedgerEntry> {
+    let judge = Judge { groups, catalogue, window, resampling };
+    let judged = |claim: &Claim| match claim.kind {
+        ClaimKind::AboveBaselines(measure) => judge.above_baselines(claim, measure),
+        ClaimKind::Values { axis, about, rule } => {
+            let axis = catalogue.paper.axis(axis);
+            axis.map(|axis| judge.values(claim, &Values { axis, about, rule })).into_iter().collect()
+        }
     };
-    if low > 0.0 { 4.0 + low } else { high }
+    catalogue.paper.claims.iter().flat_map(judged).collect()
 }
 
-/// How far from "no difference": first those wholly outside the margin by how far they are, then the others by the end
-/// of the interval that is farther from 0.
-fn farthest(effect: &Effect) -> f64 {
-    let Some((low, high)) = effect.interval else {
-        return effect.difference.map_or(-8.0, |difference| difference.abs() - 4.0);
-    };
-    let outside = low.max(-high);
-    if outside >= MARGIN { 4.0 + outside } else { high.max(-low) }
+/// What a claim about the values of a field says of them.
+struct Values<'a> {
+    axis: &'a Axis,
+    about: &'a [&'static str],
+    rule: Rule,
 }
+
+/// A value of a field, and runs with it paired with runs of the paper's own value.
+type Candidate<'a> = (String, Vec<Pair<'a>>);
 
 /// What claims are judged by.
 struct Judge<'a> {
     groups: &'a [Group<'a>],
+    catalogue: &'a Catalogue,
     window: usize,
     resampling: Resampling,
 }
 
 impl Judge<'_> {
-    /// TEACH against a baseline, in every environment that has both with default settings.
-    fn baseline(&self, baseline: &str, measure: Measure) -> Entry {
-        let resampling = corrected(self.resampling, BASELINES.len());
+    /// The paper's method against each of its baselines, in every environment that has both with default
+    /// settings.
+    fn above_baselines(&self, claim: &Claim, measure: Measure) -> Vec<LedgerEntry> {
+        let paper = &self.catalogue.paper;
+        let resampling = corrected(self.resampling, paper.baselines.len());
         let default = |environment: &str, curriculum: &str| {
             self.groups.iter().find(|group| {
                 let key = &group.key;
-                (key.environment.as_str(), key.curriculum.as_str(), key.variant.as_str())
+                (key.environment.as_str(), key.curriculum.id.as_str(), key.variant.as_str())
                     == (environment, curriculum, "default")
             })
         };
-        let teach = self.groups.iter().filter(|group| group.key.curriculum == paper::METHOD);
-        let teach = teach.filter(|group| group.key.variant == "default");
-        let pairs: Vec<Pair<'_>> = teach
-            .filter_map(|group| Some(Pair::of(group, default(&group.key.environment, baseline)?)))
-            .collect();
-        versus(&pairs, baseline, measure, self.window, resampling)
+        let own = || {
+            let own = self.groups.iter().filter(|group| group.key.is_of(&paper.method));
+            own.filter(|group| group.key.variant == "default")
+        };
+        let judged = |baseline: &String| {
+            let pairs: Vec<Pair<'_>> = own()
+                .filter_map(|group| Some(Pair::of(group, default(&group.key.environment, baseline)?)))
+                .collect();
+            let claim = Above { claim, measure, baseline, title: &self.catalogue.title(baseline) };
+            claim.judge(&pairs, self.window, resampling)
+        };
+        paper.baselines.iter().map(judged).collect()
     }
 
-    fn ablation(&self, claim: &AblationClaim) -> Entry {
-        let Axis { symbol, reference, .. } = *claim.axis;
-        let ablations = ablation::ablations(self.groups, claim.axis);
-        let about = claim.about.iter().copied().find(|value| self.has(claim.axis, value));
-        let values = values(&ablations, reference, about);
-        let candidates = values.into_iter().map(|value| {
-            let pairs = self.pairs(&ablations, &value, reference);
-            (value, pairs)
-        });
-        // A value that comes to the same as the reference can be neither above nor below it.
-        let (repeats, others): (Vec<_>, Vec<_>) = candidates.partition(|(_, pairs)| {
-            !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
-        });
-        let is_tested = |value: &str| claim.about.is_empty() || about == Some(value);
+    /// The values of a field against the paper's own one.
+    fn values(&self, claim: &Claim, Values { axis, about, rule }: &Values<'_>) -> LedgerEntry {
+        let Axis { symbol, reference, .. } = axis;
+        let ablations = ablation::ablations(self.groups, axis);
+        let preferred = about.first().copied();
+        let chosen = about.iter().copied().find(|value| self.has(axis, value));
+        let (repeats, others) = self.candidates(&ablations, reference, chosen);
+        let is_tested = |value: &str| about.is_empty() || chosen == Some(value);
         let (tested, extras): (Vec<_>, Vec<_>) = others.into_iter().partition(|(value, _)| is_tested(value));
-        let effects = |values: Vec<(String, Vec<Pair<'_>>)>, resampling| -> Vec<(String, Effect)> {
+        let effects = |values: Vec<Candidate<'_>>, resampling| -> Vec<(String, Effect)> {
             let effect = |pairs: &[Pair<'_>]| effect::effect(pairs, Measure::Final, self.window, resampling);
             values.iter().map(|(value, pairs)| (format!("{symbol} = {value}"), effect(pairs))).collect()
         };
@@ -180,23 +124,24 @@ impl Judge<'_> {
         let effects_tested = effects(tested, resampling);
         let mut texts: Vec<String> = effects_tested.iter().map(|value| shown(value, resampling)).collect();
         texts.extend(effects(extras, self.resampling).iter().map(|value| beside(value, self.resampling)));
-        let repeated = |(value, _): &(String, _)| {
+        let repeated = |(value, _): &Candidate<'_>| {
             format!("{symbol} = {value}: the same runs as {symbol} = {reference}, not tested")
         };
         texts.extend(repeats.iter().map(repeated));
-        texts.extend(substitution(claim, about));
+        texts.extend(substitution(symbol, preferred, chosen));
         let intervals: Vec<verdict::Interval> =
             effects_tested.iter().map(|(_, effect)| effect.interval).collect();
-        let weight = |(_, effect): &(String, Effect)| (claim.weight)(effect);
+        let weight = |(_, effect): &(String, Effect)| rule.weight(effect);
         let decisive = effects_tested.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b)));
         let (value, effect) = decisive.map_or_else(Default::default, |(value, effect)| (Some(value), effect));
-        let nothing = || "no two variants of TEACH differ in this setting alone".to_owned();
-        Entry {
+        let method = self.catalogue.title(&self.catalogue.paper.method);
+        let nothing = || format!("no two variants of {method} differ in this setting alone");
+        LedgerEntry {
             id: claim.id.to_owned(),
             source: claim.source,
             statement: claim.statement.to_owned(),
-            rule: claim.rule,
-            verdict: (claim.verdict)(&intervals),
+            rule: rule.as_str(),
+            verdict: rule.judge(&intervals),
             value,
             effect,
             confidence: resampling.confidence,
@@ -204,11 +149,29 @@ impl Judge<'_> {
         }
     }
 
+    /// Every value but the reference with its pairs: first those that come to the same as the reference,
+    /// which can be neither above nor below it, then the others.
+    fn candidates(
+        &self,
+        ablations: &[Ablation<'_>],
+        reference: &str,
+        chosen: Option<&str>,
+    ) -> (Vec<Candidate<'_>>, Vec<Candidate<'_>>) {
+        let values = values(ablations, reference, chosen);
+        let candidates = values.into_iter().map(|value| {
+            let pairs = self.pairs(ablations, &value, reference);
+            (value, pairs)
+        });
+        candidates.partition(|(_, pairs)| {
+            !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
+        })
+    }
+
     /// Whether there are runs with this value in the field of `axis`.
     fn has(&self, axis: &Axis, value: &str) -> bool {
         let configs =
             self.groups.iter().filter_map(|group| group.runs.first()).map(|run| &run.manifest.config);
-        configs.filter_map(|config| config.pointer(axis.pointer)).any(|other| ablation::text(other) == value)
+        configs.filter_map(|config| config.pointer(&axis.pointer)).any(|other| ablation::text(other) == value)
     }
 
     /// Comparable runs with `value` and with `reference`, for every ablation that has both; the first of each
@@ -229,8 +192,8 @@ impl Judge<'_> {
     }
 }
 
-/// The values of all ablations but the reference, in order of appearance, and the one that the claim is `about`, also
-/// where it is in no ablation.
+/// The values of all ablations but the reference, in order of appearance, and the one that the claim is
+/// `about`, also where it is in no ablation.
 fn values(ablations: &[Ablation<'_>], reference: &str, about: Option<&str>) -> Vec<String> {
     let mut values: Vec<String> = Vec::new();
     let levels = ablations.iter().flat_map(|ablation| &ablation.levels).map(Level::text);
@@ -270,29 +233,8 @@ fn standing(effect: &Effect) -> String {
 }
 
 /// What is said where a claim rests on another value than the one that it is about first.
-fn substitution(claim: &AblationClaim, about: Option<&str>) -> Option<String> {
-    let (first, symbol) = (*claim.about.first()?, claim.axis.symbol);
-    let other = about.filter(|value| *value != first)?;
+fn substitution(symbol: &str, first: Option<&str>, chosen: Option<&str>) -> Option<String> {
+    let first = first?;
+    let other = chosen.filter(|value| *value != first)?;
     Some(format!("no run has {symbol} = {first}, so {symbol} = {other} is tested in its place"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_a_verdict_hangs_on_weighs_most() {
-        let effect = |interval| Effect { interval: Some(interval), ..Effect::default() };
-        let heaviest = |weight: fn(&Effect) -> f64, intervals: &[(f64, f64)]| {
-            let weights: Vec<f64> = intervals.iter().map(|interval| weight(&effect(*interval))).collect();
-            (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]))
-        };
-        // "None is above" is undecided for the wide one, and refuted by the one above 0.
-        assert_eq!(heaviest(highest, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(1));
-        assert_eq!(heaviest(highest, &[(0.01, 0.05), (-0.3, 0.3)]), Some(0));
-        assert_eq!(heaviest(best_supported, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(0));
-        assert_eq!(heaviest(farthest, &[(-0.02, 0.05), (-0.3, 0.2)]), Some(1));
-        assert_eq!(heaviest(farthest, &[(0.12, 0.15), (-0.3, 0.2)]), Some(0));
-        assert!(highest(&Effect::default()) < highest(&effect((-1.0, -1.0))), "no interval comes last");
-    }
 }

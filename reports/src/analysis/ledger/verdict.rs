@@ -1,5 +1,8 @@
 //! The rules by which claims are judged: pure functions of intervals, stated beside every verdict.
 
+use super::Effect;
+use crate::analysis::catalogue::Rule;
+
 /// What the data at hand say about a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -25,7 +28,8 @@ impl Verdict {
 /// Differences smaller than this make no difference: success rates, a tenth of the range.
 pub const MARGIN: f64 = 0.1;
 
-/// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds for one.
+/// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds
+/// for one.
 pub(super) type Interval = Option<(f64, f64)>;
 
 /// "A is above B".
@@ -40,12 +44,43 @@ pub(super) fn above(interval: Interval) -> Verdict {
     }
 }
 
-/// "None is any better".
-pub(super) const NOT_ABOVE: &str =
-    "refuted if the interval lies wholly above 0; otherwise confirmed if it lies below 0.1";
+impl Rule {
+    /// The rule in words.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::NotAbove => {
+                "refuted if the interval lies wholly above 0; otherwise confirmed if it lies below 0.1"
+            }
+            Self::Equivalent => {
+                "confirmed if every interval lies within ±0.1, refuted if one lies wholly outside"
+            }
+            Self::SomeAbove => {
+                "confirmed if one interval lies wholly above 0, refuted if every interval lies below 0"
+            }
+        }
+    }
 
-/// See [`NOT_ABOVE`].
-pub(super) fn not_above(intervals: &[Interval]) -> Verdict {
+    /// What the intervals of all values say.
+    pub(super) fn judge(self, intervals: &[Interval]) -> Verdict {
+        match self {
+            Self::NotAbove => not_above(intervals),
+            Self::Equivalent => equivalent(intervals),
+            Self::SomeAbove => some_above(intervals),
+        }
+    }
+
+    /// Which of several effects the verdict hangs on: how far each is from where it would not.
+    pub(super) fn weight(self, effect: &Effect) -> f64 {
+        match self {
+            Self::NotAbove => highest(effect),
+            Self::Equivalent => farthest(effect),
+            Self::SomeAbove => best_supported(effect),
+        }
+    }
+}
+
+/// "None is any better".
+fn not_above(intervals: &[Interval]) -> Verdict {
     if intervals.iter().any(|interval| interval.is_some_and(|(low, _)| low > 0.0)) {
         Verdict::Refuted
     } else if !intervals.is_empty()
@@ -58,11 +93,7 @@ pub(super) fn not_above(intervals: &[Interval]) -> Verdict {
 }
 
 /// "It makes no difference".
-pub(super) const EQUIVALENT: &str =
-    "confirmed if every interval lies within ±0.1, refuted if one lies wholly outside";
-
-/// See [`EQUIVALENT`].
-pub(super) fn equivalent(intervals: &[Interval]) -> Verdict {
+fn equivalent(intervals: &[Interval]) -> Verdict {
     let outside = |(low, high): (f64, f64)| low >= MARGIN || high <= -MARGIN;
     let within = |(low, high): (f64, f64)| low > -MARGIN && high < MARGIN;
     if intervals.iter().any(|interval| interval.is_some_and(outside)) {
@@ -75,11 +106,7 @@ pub(super) fn equivalent(intervals: &[Interval]) -> Verdict {
 }
 
 /// "At least one is above".
-pub(super) const SOME_ABOVE: &str =
-    "confirmed if one interval lies wholly above 0, refuted if every interval lies below 0";
-
-/// See [`SOME_ABOVE`].
-pub(super) fn some_above(intervals: &[Interval]) -> Verdict {
+fn some_above(intervals: &[Interval]) -> Verdict {
     let verdicts: Vec<Verdict> = intervals.iter().map(|interval| above(*interval)).collect();
     if verdicts.contains(&Verdict::Confirmed) {
         Verdict::Confirmed
@@ -88,6 +115,33 @@ pub(super) fn some_above(intervals: &[Interval]) -> Verdict {
     } else {
         Verdict::Undecided
     }
+}
+
+/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all
+/// that have one.
+fn best_supported(effect: &Effect) -> f64 {
+    effect
+        .interval
+        .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
+}
+
+/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper
+/// end of the interval.
+fn highest(effect: &Effect) -> f64 {
+    let Some((low, high)) = effect.interval else {
+        return effect.difference.map_or(-8.0, |difference| difference - 4.0);
+    };
+    if low > 0.0 { 4.0 + low } else { high }
+}
+
+/// How far from "no difference": first those wholly outside the margin by how far they are, then the others
+/// by the end of the interval that is farther from 0.
+fn farthest(effect: &Effect) -> f64 {
+    let Some((low, high)) = effect.interval else {
+        return effect.difference.map_or(-8.0, |difference| difference.abs() - 4.0);
+    };
+    let outside = low.max(-high);
+    if outside >= MARGIN { 4.0 + outside } else { high.max(-low) }
 }
 
 #[cfg(test)]
@@ -128,5 +182,21 @@ mod tests {
         assert_eq!(some_above(&[BELOW, BELOW]), Refuted);
         assert_eq!(some_above(&[BELOW, None]), Undecided);
         assert_eq!(some_above(&[]), Undecided);
+    }
+
+    #[test]
+    fn what_a_verdict_hangs_on_weighs_most() {
+        let effect = |interval| Effect { interval: Some(interval), ..Effect::default() };
+        let heaviest = |weight: fn(&Effect) -> f64, intervals: &[(f64, f64)]| {
+            let weights: Vec<f64> = intervals.iter().map(|interval| weight(&effect(*interval))).collect();
+            (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]))
+        };
+        // "None is above" is undecided for the wide one, and refuted by the one above 0.
+        assert_eq!(heaviest(highest, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(1));
+        assert_eq!(heaviest(highest, &[(0.01, 0.05), (-0.3, 0.3)]), Some(0));
+        assert_eq!(heaviest(best_supported, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(0));
+        assert_eq!(heaviest(farthest, &[(-0.02, 0.05), (-0.3, 0.2)]), Some(1));
+        assert_eq!(heaviest(farthest, &[(0.12, 0.15), (-0.3, 0.2)]), Some(0));
+        assert!(highest(&Effect::default()) < highest(&effect((-1.0, -1.0))), "no interval comes last");
     }
 }

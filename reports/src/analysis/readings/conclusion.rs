@@ -1,11 +1,11 @@
 //! What is said of a claim under several readings.
 
-use super::{CHOICES, Reading};
-use crate::analysis::ledger::{Entry, Verdict};
+use super::{Reading, Varied};
+use crate::analysis::ledger::{LedgerEntry, Verdict};
 
-/// `the same under all 4 readings: confirmed`, or what the verdict is under which: named by the value of a single choice
-/// where that decides, otherwise by the numbers of the readings.
-pub(super) fn conclusion(readings: &[Reading], judged: &[(usize, Entry)], baseline: &str) -> String {
+/// `the same under all 4 readings: confirmed`, or what the verdict is under which: named by the value of a
+/// single choice where that decides, otherwise by the numbers of the readings.
+pub(super) fn conclusion(readings: &[Reading], judged: &[(usize, LedgerEntry)], baseline: &str) -> String {
     let verdicts: Vec<(usize, Verdict)> =
         judged.iter().map(|(number, entry)| (*number, entry.verdict)).collect();
     let lacking = match readings.len() - verdicts.len() {
@@ -39,7 +39,7 @@ pub(super) fn conclusion(readings: &[Reading], judged: &[(usize, Entry)], baseli
 fn by_choice(
     readings: &[Reading],
     verdicts: &[(usize, Verdict)],
-    choice: usize,
+    (choice, name): Varied,
 ) -> Option<Vec<(Verdict, String)>> {
     let mut values: Vec<(Option<&str>, Verdict)> = Vec::new();
     for &(number, verdict) in verdicts {
@@ -54,17 +54,17 @@ fn by_choice(
     let of = |verdict: Verdict| {
         let same = values.iter().filter(|(_, other)| *other == verdict);
         let same: Vec<Option<&str>> = same.map(|(value, _)| *value).collect();
-        (!same.is_empty()).then(|| (verdict, setting(choice, &same)))
+        (!same.is_empty()).then(|| (verdict, setting(name, &same)))
     };
     Some([Verdict::Confirmed, Verdict::Refuted, Verdict::Undecided].into_iter().filter_map(of).collect())
 }
 
 /// `states = replay`, `states = reference, replay or initial`; `not set` where a config lacks the field.
-pub(super) fn setting(choice: usize, values: &[Option<&str>]) -> String {
+pub(super) fn setting(name: &str, values: &[Option<&str>]) -> String {
     let texts: Vec<&str> = values.iter().map(|value| value.unwrap_or("not set")).collect();
     let values = match texts.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => texts.concat(),
     };
-    format!("{} = {values}", CHOICES[choice].name)
+    format!("{name} = {values}")
 }

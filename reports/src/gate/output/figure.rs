@@ -1,6 +1,7 @@
 //! Curves of the baseline and now, a panel per cell.
 
 use super::Check;
+use crate::analysis::catalogue::Catalogue;
 use crate::analysis::curves::{Curve, DDOF, Point, Progress};
 use crate::analysis::group::GroupKey;
 use crate::gate::cells::Cell;
@@ -13,16 +14,17 @@ use crate::stats;
 /// # Errors
 /// [`GateError::Figure`] if drawing fails.
 pub fn figure(check: &Check<'_>) -> Result<String, GateError> {
+    let catalogue = check.catalogue;
     let mut cells: Vec<(&Cell, &Cell)> = check.before.iter().zip(check.now).collect();
     // Stable: environments stay in the protocol's order.
-    cells.sort_by_cached_key(|(_, now)| check.place(&now.curriculum));
+    cells.sort_by_cached_key(|(_, now)| catalogue.method(&now.curriculum));
     let pairs: Vec<(String, [Curve; 2])> = cells
         .into_iter()
         .map(|(before, now)| {
             let variant =
                 if now.variant == "default" { String::new() } else { format!(" ({})", now.variant) };
-            let title = format!("{}, {}{variant}", now.environment, check.title(&now.curriculum));
-            (title, [curve(now, "now"), curve(before, "baseline")])
+            let title = format!("{}, {}{variant}", now.environment, catalogue.title(&now.curriculum));
+            (title, [curve(catalogue, now, "now"), curve(catalogue, before, "baseline")])
         })
         .collect();
     let panels: Vec<LearningPanel<'_>> = pairs
@@ -34,7 +36,7 @@ pub fn figure(check: &Check<'_>) -> Result<String, GateError> {
 }
 
 /// The mean curve of a cell, labelled as its `side`.
-fn curve(cell: &Cell, side: &str) -> Curve {
+fn curve(catalogue: &Catalogue, cell: &Cell, side: &str) -> Curve {
     let rates: Vec<Vec<f64>> = cell.curves.values().map(|curve| curve.rates(cell.episodes)).collect();
     let point = |(index, &step): (usize, &u64)| {
         let at: Vec<f64> = rates.iter().map(|rates| rates[index]).collect();
@@ -47,11 +49,7 @@ fn curve(cell: &Cell, side: &str) -> Curve {
         })
     };
     Curve {
-        key: GroupKey {
-            environment: cell.environment.clone(),
-            curriculum: cell.curriculum.clone(),
-            variant: side.to_owned(),
-        },
+        key: GroupKey::new(catalogue, &cell.environment, &cell.curriculum, side),
         points: cell.steps.iter().enumerate().filter_map(point).collect(),
         episodes: (cell.episodes, cell.episodes),
     }

@@ -14,6 +14,7 @@ use super::cells::Cell;
 use super::compare::{CheckResult, Test};
 use super::error::GateError;
 use super::metric::Metric;
+use crate::analysis::catalogue::Catalogue;
 use crate::render::figure as draw;
 use crate::store::StoreError;
 
@@ -46,8 +47,8 @@ pub struct Check<'a> {
     pub exact: bool,
     /// Further lines worth saying: other versions, cells left out.
     pub notes: Vec<String>,
-    /// Ids and titles of curricula in the order of figures; any other comes after them, by id.
-    pub titles: &'a [(String, String)],
+    /// Titles and order of curricula in figures.
+    pub catalogue: &'a Catalogue,
 }
 
 impl Check<'_> {
@@ -79,17 +80,6 @@ impl Check<'_> {
             return format!("FAILED: {curves}, and --exact asks for all of them");
         }
         format!("passed: none of {} tests failed; {curves}", c.tests.len())
-    }
-
-    /// The place of a curriculum in figures.
-    fn place<'b>(&self, curriculum: &'b str) -> (usize, &'b str) {
-        let known = self.titles.iter().position(|(id, _)| id == curriculum);
-        (known.unwrap_or(self.titles.len()), curriculum)
-    }
-
-    /// The name of a curriculum in figures.
-    fn title<'b>(&'b self, curriculum: &'b str) -> &'b str {
-        self.titles.iter().find(|(id, _)| id == curriculum).map_or(curriculum, |(_, title)| title)
     }
 
     /// How was compared.
@@ -171,6 +161,7 @@ fn interval(test: &Test) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::MethodInfo;
     use crate::gate::cells::Failure;
     use crate::gate::compare::{Settings, compare};
     use crate::gate::testing::cell;
@@ -182,9 +173,16 @@ mod tests {
         let failure = Failure { run: "A/x/default/seed-1".into(), reason: "<not & finite>".into() };
         let settings = Settings { alpha: 0.1, smallest_effect: 0.1, window: 1 };
         let result = compare(&before, &now, vec![failure], settings);
-        let titles = [("y".to_owned(), "Why".to_owned())];
+        let catalogue = Catalogue::of([MethodInfo::new("y", "Why", None)]);
         let notes = vec!["left out: B".to_owned()];
-        see(&Check { result: &result, before: &before, now: &now, exact: false, notes, titles: &titles });
+        see(&Check {
+            result: &result,
+            before: &before,
+            now: &now,
+            exact: false,
+            notes,
+            catalogue: &catalogue,
+        });
     }
 
     #[test]

@@ -33,8 +33,7 @@ pub(super) fn svg(
 
 /// For `map_err` on drawing `part` of a figure.
 pub(super) fn failed(part: &str) -> impl FnOnce(DrawingAreaErrorKind<std::io::Error>) -> ReportError {
-    let figure = part.to_owned();
-    move |error| ReportError::Figure { figure, reason: error.to_string() }
+    ReportError::figure(part)
 }
 
 /// Straight line between two pixels.

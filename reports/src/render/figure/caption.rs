@@ -30,12 +30,13 @@ fn bounds<T: Ord + Default + Copy>(ranges: impl Iterator<Item = (T, T)> + Clone)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
     use crate::analysis::curves::Point;
     use crate::analysis::group::GroupKey;
 
     fn curve(seeds: &[usize], episodes: (u64, u64)) -> Curve {
         let point = |&n: &usize| Point { n, mean: 0.5, ..Point::default() };
-        let key = GroupKey { environment: "E".into(), curriculum: "c".into(), variant: "default".into() };
+        let key = GroupKey::new(&Catalogue::default(), "E", "c", "default");
         Curve { key, points: seeds.iter().map(point).collect(), episodes }
     }
 

@@ -8,11 +8,10 @@ use super::ticks;
 use crate::analysis::efficiency::Efficiency;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
-use crate::methods;
 use crate::stats::Resampling;
 
-/// A figure of the sample-efficiency curves of all methods over `environments` environments, as SVG. `keys` are those
-/// of the whole report, which settle the looks.
+/// A figure of the sample-efficiency curves of all methods over `environments` environments, as SVG. `keys`
+/// are those of the whole report, which settle the looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
@@ -33,7 +32,7 @@ pub fn efficiency<'a>(
         }
     };
     let label = |curve: &Efficiency<'_>| Label {
-        title: methods::title(&curve.method.curriculum).to_owned(),
+        title: curve.method.curriculum.title.clone(),
         detail: curve.method.detail(),
     };
     let has_bands = curves.iter().any(|curve| curve.intervals.is_some());

@@ -13,7 +13,6 @@ use crate::analysis::improvement::Improvement;
 use crate::error::ReportError;
 use looks::Look;
 
-use crate::methods;
 use crate::stats::Resampling;
 
 /// Text sizes in points.
@@ -51,8 +50,8 @@ struct Forest {
     caption: String,
 }
 
-/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which settle
-/// the looks.
+/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which
+/// settle the looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
@@ -108,7 +107,7 @@ pub fn improvements<'a>(
 }
 
 fn name(key: &GroupKey) -> String {
-    format!("{}{}", methods::title(&key.curriculum), key.detail())
+    key.name()
 }
 
 fn caption(resampling: Resampling) -> String {

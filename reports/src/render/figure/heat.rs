@@ -1,4 +1,5 @@
-//! Heat maps of mazes: a row per method, where its teacher sent the student beside where the student succeeded.
+//! Heat maps of mazes: a row per method, where its teacher sent the student beside where the student
+//! succeeded.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -6,10 +7,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, text};
+use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, PHASES};
-use crate::environment::MazeInfo;
 use crate::error::ReportError;
-use crate::methods;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -30,8 +30,8 @@ const WALL: RGBColor = RGBColor(120, 120, 120);
 /// A free cell that too few goals lay in, where rates are shown.
 const UNSEEN: RGBColor = RGBColor(255, 255, 255);
 
-/// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the colours of
-/// viridis, by Smith and van der Walt 2015, from its light end).
+/// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the
+/// colours of viridis, by Smith and van der Walt 2015, from its light end).
 const SCALE: [(u8, u8, u8); 6] =
     [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84)];
 
@@ -87,7 +87,7 @@ impl<'a> Sheet<'a> {
         let label_style = text::style(LABEL).pos(Pos::new(HPos::Left, VPos::Center));
         let mut labels = Vec::with_capacity(self.maps.len());
         for map in self.maps {
-            let label = format!("{}{}", methods::title(&map.key.curriculum), map.key.detail());
+            let label = map.key.name();
             labels.push(text::shorten(&label, &label_style, LABEL_WIDTH - GAP)?);
         }
         canvas::svg((PAGE_WIDTH, caption_top + page::caption_height(&caption)), |root| {

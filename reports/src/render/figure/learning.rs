@@ -10,8 +10,6 @@ use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use looks::Look;
 
-use crate::methods;
-
 /// A panel of learning curves.
 #[derive(Clone, Debug)]
 pub struct LearningPanel<'a> {
@@ -30,8 +28,9 @@ pub fn by_environment<'a>(curves: &[&'a Curve]) -> Vec<LearningPanel<'a>> {
     curves.chunk_by(|a, b| a.key.environment == b.key.environment).map(panel).collect()
 }
 
-/// A figure of learning curves against `progress`, as SVG. `keys` are those of all curves of the report, which settle
-/// the looks: a curriculum has the same colour in every figure. Points without a place on the axis are left out.
+/// A figure of learning curves against `progress`, as SVG. `keys` are those of all curves of the report,
+/// which settle the looks: a curriculum has the same colour in every figure. Points without a place on the
+/// axis are left out.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
@@ -43,8 +42,8 @@ pub fn learning<'a>(
     sheet(panels, &Palette::new(keys), progress)
 }
 
-/// As [`learning`] against environment steps, of the levels of an ablation: the variant `plain`, the default setting,
-/// has the look of its curriculum.
+/// As [`learning`] against environment steps, of the levels of an ablation: the variant `plain`, the default
+/// setting, has the look of its curriculum.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
@@ -91,7 +90,8 @@ fn content(panel: &LearningPanel<'_>, palette: &Palette<'_>, progress: Progress,
     }
 }
 
-/// An axis up to `last`; up to 1 where that is 0, so that a lone evaluation of the untrained student has an axis.
+/// An axis up to `last`; up to 1 where that is 0, so that a lone evaluation of the untrained student has an
+/// axis.
 fn axis(progress: Progress, last: f64, most_ticks: u64) -> XAxis {
     let end = if last > 0.0 { last } else { 1.0 };
     let (name, ticks, label): (_, _, fn(f64) -> String) = match progress {
@@ -111,8 +111,8 @@ fn mark(point: &Point, progress: Progress) -> Option<Mark> {
     Some(Mark { x: point.at(progress)?, y: point.mean, band })
 }
 
-/// Every curriculum and variant among the curves once, in order. Where the numbers of seeds differ, and each label
-/// stands for one curve, labels say how many there are.
+/// Every curriculum and variant among the curves once, in order. Where the numbers of seeds differ, and each
+/// label stands for one curve, labels say how many there are.
 fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label, Look)> {
     let mut methods: Vec<&Curve> = curves.to_vec();
     methods.sort_by(|a, b| a.key.cmp_method(&b.key));
@@ -123,7 +123,7 @@ fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label
         if panels == 1 && uneven {
             detail.push_str(&format!(", n = {}", caption::range(curve.seeds())));
         }
-        Label { title: methods::title(&curve.key.curriculum).to_owned(), detail }
+        Label { title: curve.key.curriculum.title.clone(), detail }
     };
     methods.iter().map(|curve| (label(curve), palette.look(&curve.key))).collect()
 }

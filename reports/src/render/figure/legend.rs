@@ -3,6 +3,7 @@
 use plotters::style::TextStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::canvas;
 use super::shapes::{self, Area};
 use super::text;
 use crate::error::ReportError;
@@ -16,7 +17,7 @@ const SAMPLE_WIDTH: i32 = 90;
 const SAMPLE_GAP: i32 = 12;
 const COLUMN_GAP: i32 = 30;
 
-/// What an entry says: `TEACH (n=3)`.
+/// What an entry says: `NOVA (n=3)`.
 pub(super) struct Label {
     /// Name of the curriculum.
     pub(super) title: String,
@@ -25,8 +26,8 @@ pub(super) struct Label {
 }
 
 impl Label {
-    /// The label on at most `room` pixels. Where it is too long, both parts are shortened to share the room: either
-    /// may be what tells two entries apart.
+    /// The label on at most `room` pixels. Where it is too long, both parts are shortened to share the room:
+    /// either may be what tells two entries apart.
     fn fit(&self, style: &TextStyle<'_>, room: i32) -> Result<String, ReportError> {
         let whole = text::printable(&format!("{}{}", self.title, self.detail));
         if self.detail.is_empty() {
@@ -85,10 +86,7 @@ impl Legend {
             shapes::line(root, &[(x, y), (x + SAMPLE_WIDTH, y)], *look)
                 .and_then(|()| shapes::marker(root, (x + SAMPLE_WIDTH / 2, y), *look))
                 .and_then(|()| root.draw_text(label, &style, (x + SAMPLE_WIDTH + SAMPLE_GAP, y)))
-                .map_err(|error| ReportError::Figure {
-                    figure: "legend".into(),
-                    reason: error.to_string(),
-                })?;
+                .map_err(canvas::failed("legend"))?;
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! Figures, as SVG drawn with plotters.
 //!
-//! Figures are drawn for print at 300 pixels per inch: one panel at the width of a text column (3.5 inch), several
-//! at the width of a page (7.16 inch). [`png`] renders the very same SVG; [`outlined`] frees it from fonts.
+//! Figures are drawn for print at 300 pixels per inch: one panel at the width of a text column (3.5 inch),
+//! several at the width of a page (7.16 inch). [`png`] renders the very same SVG; [`outlined`] frees it from
+//! fonts.
 
 mod axis;
 mod canvas;
@@ -26,5 +27,6 @@ pub use forest::{aggregates, improvements};
 pub use heat::heat;
 pub use learning::{LearningPanel, ablation, by_environment, learning};
 pub use outline::outlined;
+pub use palette::FALLBACK;
 pub use profile::profiles;
 pub use raster::png;

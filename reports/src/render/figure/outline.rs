@@ -16,8 +16,7 @@ const TRANSFORM_PRECISION: u8 = 6;
 /// [`ReportError::Figure`] if `svg` is no valid SVG.
 pub fn outlined(figure: &str, svg: &str) -> Result<String, ReportError> {
     let options = Options { fontdb: fonts(), ..Options::default() };
-    let tree = Tree::from_str(svg, &options)
-        .map_err(|error| ReportError::Figure { figure: figure.to_owned(), reason: error.to_string() })?;
+    let tree = Tree::from_str(svg, &options).map_err(ReportError::figure(figure))?;
     let write = WriteOptions {
         coordinates_precision: PRECISION,
         transforms_precision: TRANSFORM_PRECISION,

@@ -1,9 +1,18 @@
 //! Which look each curve of a report gets.
 
 use crate::analysis::group::GroupKey;
+use looks::colours::{GREY, ORANGE, SKY_BLUE};
 use looks::{Dash, Look, Marker, Rgb};
 
-use crate::methods::{self, FALLBACK};
+/// Looks of curricula without one of their own, taken in the order of legends and reused from the start when
+/// used up.
+pub static FALLBACK: &[Look] = &[
+    Look::new(ORANGE, Dash::Solid, Marker::Square),
+    Look::new(SKY_BLUE, Dash::Long, Marker::Triangle),
+    Look::new(ORANGE, Dash::Dotted, Marker::Diamond),
+    Look::new(SKY_BLUE, Dash::Short, Marker::Circle),
+    Look::new(GREY, Dash::Solid, Marker::Cross),
+];
 
 /// Dash patterns in the order in which variants of one curriculum take them.
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Long, Dash::Short, Dash::Dotted];
@@ -14,8 +23,8 @@ const MARKERS: [Marker; 6] =
 const DARKEST: f64 = 0.45;
 const LIGHTEST: f64 = 0.45;
 
-/// The looks of all curves of a report: one hue per curriculum, and for its variants shades from dark to light
-/// with dashes and markers of their own.
+/// The looks of all curves of a report: one hue per curriculum, and for its variants shades from dark to
+/// light with dashes and markers of their own.
 #[derive(Debug)]
 pub(super) struct Palette<'a> {
     /// One key for each curriculum and variant, in their order; the environment means nothing here.
@@ -30,7 +39,8 @@ impl<'a> Palette<'a> {
         Self::around(keys, "default")
     }
 
-    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other has.
+    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other
+    /// has.
     pub(super) fn around(keys: impl IntoIterator<Item = &'a GroupKey>, plain: &'a str) -> Self {
         let mut methods: Vec<&GroupKey> = keys.into_iter().collect();
         methods.sort_by(|a, b| a.cmp_method(b));
@@ -40,7 +50,7 @@ impl<'a> Palette<'a> {
 
     /// The look of a curve.
     pub(super) fn look(&self, key: &GroupKey) -> Look {
-        let base = methods::method(&key.curriculum).map_or_else(|| self.fallback(key), |method| method.look);
+        let base = key.curriculum.look.unwrap_or_else(|| self.fallback(key));
         if key.variant == self.plain {
             return base;
         }
@@ -56,12 +66,12 @@ impl<'a> Palette<'a> {
         }
     }
 
-    /// The look of a curriculum without a row in the table.
+    /// The look of a curriculum that has none of its own.
     fn fallback(&self, key: &GroupKey) -> Look {
-        let mut unknown: Vec<&str> = self.methods.iter().map(|other| other.curriculum.as_str()).collect();
-        unknown.retain(|id| methods::method(id).is_none());
-        unknown.dedup();
-        let index = unknown.iter().position(|id| *id == key.curriculum).unwrap_or(0);
+        let mut free: Vec<_> = self.methods.iter().map(|other| &other.curriculum).collect();
+        free.retain(|method| method.look.is_none());
+        free.dedup();
+        let index = free.iter().position(|method| **method == key.curriculum).unwrap_or(0);
         FALLBACK[index % FALLBACK.len()]
     }
 }
@@ -89,9 +99,13 @@ fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::{Catalogue, MethodInfo};
+
+    const LOOK: Look = Look::new((213, 94, 0), Dash::Solid, Marker::Circle);
 
     fn key(environment: &str, curriculum: &str, variant: &str) -> GroupKey {
-        GroupKey { environment: environment.into(), curriculum: curriculum.into(), variant: variant.into() }
+        let catalogue = Catalogue::of([MethodInfo::new("nova", "NOVA", Some(LOOK))]);
+        GroupKey::new(&catalogue, environment, curriculum, variant)
     }
 
     #[test]
@@ -104,13 +118,13 @@ mod tests {
 
     #[test]
     fn a_single_variant_has_the_look_of_the_table() {
-        let only = key("A", "teach", "n=3");
-        assert_eq!(Some(Palette::new([&only]).look(&only)), methods::method("teach").map(|row| row.look));
+        let only = key("A", "nova", "n=3");
+        assert_eq!(Palette::new([&only]).look(&only), LOOK);
     }
 
     #[test]
     fn variants_get_shades_from_dark_to_light() {
-        let keys = ["n=3", "n=20", "n=5", "n=10"].map(|variant| key("A", "teach", variant));
+        let keys = ["n=3", "n=20", "n=5", "n=10"].map(|variant| key("A", "nova", variant));
         let palette = Palette::new(&keys);
         let red = |index: usize| palette.look(&keys[index]).colour.0;
         assert!(red(0) < red(2) && red(2) < red(3) && red(3) < red(1));
@@ -118,10 +132,10 @@ mod tests {
 
     #[test]
     fn the_default_keeps_the_look_of_the_table_beside_its_variants() {
-        let keys = ["default", "n=3", "n=5", "n=20"].map(|variant| key("A", "teach", variant));
+        let keys = ["default", "n=3", "n=5", "n=20"].map(|variant| key("A", "nova", variant));
         let palette = Palette::new(&keys);
         let looks = keys.each_ref().map(|key| palette.look(key));
-        assert_eq!(Some(looks[0]), methods::method("teach").map(|row| row.look));
+        assert_eq!(looks[0], LOOK);
         assert!(
             looks[1..].iter().all(|look| look.colour != looks[0].colour && look.marker != looks[0].marker)
         );
@@ -129,15 +143,14 @@ mod tests {
 
     #[test]
     fn the_plain_look_is_the_default_settings_alone() {
-        let keys = ["Δ = 1", "Δ = 2", "Δ = 5", "Δ = 10"].map(|variant| key("A", "teach", variant));
-        let plain = methods::method("teach").map(|row| row.look);
+        let keys = ["Δ = 1", "Δ = 2", "Δ = 5", "Δ = 10"].map(|variant| key("A", "nova", variant));
         let colours = |palette: &Palette<'_>| keys.each_ref().map(|key| palette.look(key).colour);
         let palette = Palette::around(&keys, "Δ = 1");
-        assert_eq!(Some(palette.look(&keys[0])), plain);
-        assert!(colours(&palette)[1..].iter().all(|colour| Some(*colour) != plain.map(|look| look.colour)));
+        assert_eq!(palette.look(&keys[0]), LOOK);
+        assert!(colours(&palette)[1..].iter().all(|colour| *colour != LOOK.colour));
         // Nor does a level have it where the default was not run.
         let without = Palette::around(&keys[1..], "Δ = 1");
-        assert!(keys[1..].iter().all(|key| Some(without.look(key).colour) != plain.map(|look| look.colour)));
+        assert!(keys[1..].iter().all(|key| without.look(key).colour != LOOK.colour));
     }
 
     #[test]

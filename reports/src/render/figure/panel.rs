@@ -87,9 +87,9 @@ impl Panel<'_> {
         let half = text::width(&title, &title_style)? / 2;
         let centre =
             plot_centre.clamp(self.at.0 + half, (self.at.0 + self.size.0 - half).max(self.at.0 + half));
-        self.draw_names(root, &title, centre, plot_centre).and_then(|()| self.draw_plot(root)).map_err(
-            |error| ReportError::Figure { figure: self.content.title.clone(), reason: error.to_string() },
-        )
+        self.draw_names(root, &title, centre, plot_centre)
+            .and_then(|()| self.draw_plot(root))
+            .map_err(ReportError::figure(&self.content.title))
     }
 
     fn draw_names(&self, root: &Area<'_>, title: &str, title_x: i32, plot_centre: i32) -> DrawResult {
@@ -157,8 +157,8 @@ fn draw_bands(root: &Area<'_>, line: &Series, pixel: &impl Fn(f64, f64) -> (i32,
     Ok(())
 }
 
-/// The line, with markers whose `phase` in [0, 1) differs between lines: equal lines stay visible. None is on the first
-/// point, where it would touch the labels of the y axis, unless that is the only one.
+/// The line, with markers whose `phase` in [0, 1) differs between lines: equal lines stay visible. None is on
+/// the first point, where it would touch the labels of the y axis, unless that is the only one.
 fn draw_line(
     root: &Area<'_>,
     line: &Series,

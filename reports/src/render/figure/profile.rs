@@ -8,11 +8,10 @@ use super::ticks;
 use crate::analysis::aggregate::Profile;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
-use crate::methods;
 use crate::stats::Resampling;
 
-/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the whole
-/// report, which settle the looks; `resampling` is how the profiles' intervals were made.
+/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the
+/// whole report, which settle the looks; `resampling` is how the profiles' intervals were made.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
@@ -35,7 +34,7 @@ pub fn profiles<'a>(
         }
     };
     let label = |profile: &Profile<'_>| Label {
-        title: methods::title(&profile.method.curriculum).to_owned(),
+        title: profile.method.curriculum.title.clone(),
         detail: profile.method.detail(),
     };
     let x =

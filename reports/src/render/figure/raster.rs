@@ -24,12 +24,12 @@ pub(super) fn fonts() -> Arc<fontdb::Database> {
 /// # Errors
 /// [`ReportError::Figure`] if `svg` is no valid SVG or too large to render.
 pub fn png(figure: &str, svg: &str) -> Result<Vec<u8>, ReportError> {
-    let failed = |reason: String| ReportError::Figure { figure: figure.to_owned(), reason };
     let options = Options { fontdb: fonts(), ..Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
+    let tree = Tree::from_str(svg, &options).map_err(ReportError::figure(figure))?;
     let size = tree.size().to_int_size();
     let mut pixels = Pixmap::new(size.width(), size.height())
-        .ok_or_else(|| failed(format!("{} x {} pixels are too many", size.width(), size.height())))?;
+        .ok_or_else(|| format!("{} x {} pixels are too many", size.width(), size.height()))
+        .map_err(ReportError::figure(figure))?;
     resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|error| failed(error.to_string()))
+    pixels.encode_png().map_err(ReportError::figure(figure))
 }

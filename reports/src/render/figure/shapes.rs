@@ -21,8 +21,8 @@ fn colour(look: Look) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// Lengths of dashes and gaps in turn, in pixels; `None` for a solid line. Each pattern ends with a whole dash after the
-/// 90 pixels of the legend's samples.
+/// Lengths of dashes and gaps in turn, in pixels; `None` for a solid line. Each pattern ends with a whole
+/// dash after the 90 pixels of the legend's samples.
 fn pattern(dash: Dash) -> Option<&'static [f64]> {
     match dash {
         Dash::Solid => None,
@@ -44,8 +44,8 @@ pub(super) fn line(area: &Area<'_>, points: &[Pixel], look: Look) -> DrawResult 
     Ok(())
 }
 
-/// The dashes of a line through `points`, which go around its corners. `pattern` holds dashes and gaps in turn, all
-/// longer than 0.
+/// The dashes of a line through `points`, which go around its corners. `pattern` holds dashes and gaps in
+/// turn, all longer than 0.
 fn dashes(points: &[Pixel], pattern: &[f64]) -> Vec<Vec<Pixel>> {
     let (mut found, mut current) = (Vec::new(), points.first().copied().into_iter().collect::<Vec<_>>());
     let (mut index, mut left) = (0, pattern[0]);

@@ -19,11 +19,7 @@ pub(super) fn register() -> Result<(), ReportError> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let registered =
         *REGISTERED.get_or_init(|| register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok());
-    if registered {
-        Ok(())
-    } else {
-        Err(ReportError::Figure { figure: "text".into(), reason: "the embedded font is damaged".into() })
-    }
+    if registered { Ok(()) } else { Err(ReportError::figure("text")("the embedded font is damaged")) }
 }
 
 /// Black text of so many typographic points.
@@ -34,14 +30,13 @@ pub(super) fn style(points: f64) -> TextStyle<'static> {
 
 /// Width of a line of text in pixels. [`register`] comes first.
 pub(super) fn width(text: &str, style: &TextStyle<'_>) -> Result<i32, ReportError> {
-    let measured = style.font.box_size(text);
-    let (width, _) = measured
-        .map_err(|error| ReportError::Figure { figure: "text".into(), reason: format!("font: {error}") })?;
+    let (width, _) = style.font.box_size(text).map_err(ReportError::figure("text"))?;
     // plotters measures at the size that it divides by `PLOTTERS_FONT_SCALE` when it writes.
     Ok((f64::from(width) / PLOTTERS_FONT_SCALE * LINE_HEIGHT_PER_EM).ceil() as i32)
 }
 
-/// ab_glyph scales fonts to their line height, SVG to their em square; this is DejaVu Sans's ratio of the two.
+/// ab_glyph scales fonts to their line height, SVG to their em square; this is DejaVu Sans's ratio of the
+/// two.
 const LINE_HEIGHT_PER_EM: f64 = 0.928 + 0.236;
 
 /// `text` without control characters and noncharacters, which XML forbids.
@@ -50,8 +45,8 @@ pub(super) fn printable(text: &str) -> String {
     text.chars().map(|c| if forbidden(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// `text`, with its middle replaced by an ellipsis where it is wider than `max` pixels. Start and end stay: the
-/// ends of names (variants, numbers) often tell them apart.
+/// `text`, with its middle replaced by an ellipsis where it is wider than `max` pixels. Start and end stay:
+/// the ends of names (variants, numbers) often tell them apart.
 pub(super) fn shorten(text: &str, style: &TextStyle<'_>, max: i32) -> Result<String, ReportError> {
     let text = printable(text);
     if width(&text, style)? <= max {
@@ -99,7 +94,7 @@ mod tests {
         let short = shorten(name, &style, 300).unwrap();
         assert!(width(&short, &style).unwrap() <= 300);
         assert!(short.starts_with("curr") && short.ends_with("20)") && short.contains('…'), "{short}");
-        assert_eq!(shorten("TEACH", &style, 300).unwrap(), "TEACH");
+        assert_eq!(shorten("NOVA", &style, 300).unwrap(), "NOVA");
     }
 
     #[test]

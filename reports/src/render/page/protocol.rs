@@ -2,12 +2,13 @@
 
 use serde_json::Value;
 
-use crate::methods;
+use crate::analysis::catalogue::natural_order;
 use crate::render::table::{Align, Table};
 use crate::store::Run;
 
-/// Every setting of the runs' complete configs with the values it has, and in how many runs where there are several.
-pub(super) fn settings(runs: &[Run]) -> Table {
+/// Every setting of the runs' complete configs with the values it has, and in how many runs where there are
+/// several.
+pub fn settings(runs: &[Run]) -> Table {
     let mut counts = Counts::default();
     for run in runs {
         leaves("", &run.manifest.config, &mut |path, value| counts.add(path, value));
@@ -16,7 +17,7 @@ pub(super) fn settings(runs: &[Run]) -> Table {
 }
 
 /// Every version that the runs name.
-pub(super) fn versions(runs: &[Run]) -> Table {
+pub fn versions(runs: &[Run]) -> Table {
     let mut counts = Counts::default();
     for run in runs {
         for (name, version) in &run.manifest.versions {
@@ -45,7 +46,7 @@ impl Counts {
 
     fn table(self, header: [&'static str; 2], caption: &str, runs: usize) -> Table {
         let row = |(name, mut values): (String, Vec<(String, usize)>)| {
-            values.sort_by(|(a, _), (b, _)| methods::natural_order(a, b));
+            values.sort_by(|(a, _), (b, _)| natural_order(a, b));
             let text = |(value, count): &(String, usize)| {
                 if *count == runs { value.clone() } else { format!("{value} ({count} of {runs} runs)") }
             };

@@ -1,47 +1,48 @@
 //! Cells of tables to read.
 
 /// A cell without a number.
-pub(super) const UNDEFINED: &str = "–";
+pub(crate) const UNDEFINED: &str = "–";
 
-/// What captions say of bootstrap intervals over few seeds (measured by `bootstrap_intervals_of_few_seeds_cover_less`).
-pub(super) const BOOTSTRAP_COVERAGE: &str =
+/// What captions say of bootstrap intervals over few seeds (measured by
+/// `bootstrap_intervals_of_few_seeds_cover_less`).
+pub(crate) const BOOTSTRAP_COVERAGE: &str =
     "such an interval of a mean of 5 seeds covers about 83 % at a nominal 95 %, of 7 seeds 88 %";
 
 /// A value as text, or a cell without a number.
-pub(super) fn or_undefined<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+pub(crate) fn or_undefined<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or(UNDEFINED.into(), text)
 }
 
 /// A range of steps, or the step where both ends are equal.
-pub(super) fn span((low, high): (u64, u64)) -> String {
+pub(crate) fn span((low, high): (u64, u64)) -> String {
     if low == high { thousands(low) } else { format!("{} to {}", thousands(low), thousands(high)) }
 }
 
 /// Two decimals, without the sign of a rounded zero.
-pub(super) fn decimal(value: f64) -> String {
+pub(crate) fn decimal(value: f64) -> String {
     let text = format!("{value:.2}");
     if text == "-0.00" { "0.00".into() } else { text }
 }
 
 /// Three digits, or how small it is at least.
-pub(super) fn p_value(p: f64) -> String {
+pub(crate) fn p_value(p: f64) -> String {
     if p < 0.001 { "< 0.001".into() } else { format!("{p:.3}") }
 }
 
 /// `0.50 ± 0.10`; the mean alone where it has no standard deviation.
-pub(super) fn with_spread(mean: Option<f64>, std: Option<f64>) -> String {
+pub(crate) fn with_spread(mean: Option<f64>, std: Option<f64>) -> String {
     let spread = |std| format!(" ± {}", decimal(std));
     or_undefined(mean, |mean| decimal(mean) + &std.map_or(String::new(), spread))
 }
 
 /// `0.50 [0.40, 0.60]`; the value alone where it has no interval.
-pub(super) fn with_interval(value: f64, interval: Option<(f64, f64)>) -> String {
+pub(crate) fn with_interval(value: f64, interval: Option<(f64, f64)>) -> String {
     let brackets = |(low, high)| format!(" [{}, {}]", decimal(low), decimal(high));
     decimal(value) + &interval.map_or(String::new(), brackets)
 }
 
 /// `1,000,000`.
-pub(super) fn thousands(number: u64) -> String {
+pub(crate) fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
     for (index, digit) in digits.chars().enumerate() {

@@ -10,8 +10,8 @@ const LONGEST_PROSE: usize = 20;
 const PROSE_WIDTH: (f64, f64) = (0.25, 0.6);
 
 impl Table {
-    /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be copied
-    /// into the float that a paper wants.
+    /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be
+    /// copied into the float that a paper wants.
     pub fn latex(&self) -> String {
         let has_prose = (0..self.columns.len()).any(|column| self.is_prose(column));
         let is_long = self.rows.len() > if has_prose { LONGEST_PROSE } else { LONGEST };
@@ -91,8 +91,11 @@ mod tests {
     use super::*;
 
     fn table(rows: &[&str]) -> Table {
-        let rows = rows.iter().map(|&name| [name.to_owned(), "-0.50 ± 0.10".to_owned()]);
-        Table::new("What 50 % means.".into(), 1, ["Name", "Value"], rows)
+        Table {
+            caption: "What 50 % means.".into(),
+            columns: vec![("Name", Align::Text), ("Value", Align::Number)],
+            rows: rows.iter().map(|&name| vec![name.to_owned(), "-0.50 ± 0.10".to_owned()]).collect(),
+        }
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! One table in Markdown and HTML, and [in LaTeX](super::latex). Names in it are plain text: each markup escapes them
-//! its own way.
+//! One table in Markdown and HTML, and [in LaTeX](super::latex). Names in it are plain text: each markup
+//! escapes them its own way.
 
 /// How the cells of a column are set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,18 +25,6 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table whose first `text` columns hold names, the others numbers.
-    pub(super) fn new<const N: usize>(
-        caption: String,
-        text: usize,
-        header: [&'static str; N],
-        rows: impl Iterator<Item = [String; N]>,
-    ) -> Self {
-        let align = |index| if index < text { Align::Text } else { Align::Number };
-        let columns = header.into_iter().enumerate().map(|(index, title)| (title, align(index))).collect();
-        Self { caption, columns, rows: rows.map(Vec::from).collect() }
-    }
-
     /// The rows whose first cell is `name`, without that cell; below the same caption.
     pub fn part(&self, name: &str) -> Self {
         let of_it = |row: &&Vec<String>| row.first().is_some_and(|first| first == name);
@@ -94,7 +82,8 @@ impl Table {
         text
     }
 
-    /// Whether a column holds prose, which may be broken into lines: a text longer than [`LONGEST_NAME`] characters.
+    /// Whether a column holds prose, which may be broken into lines: a text longer than [`LONGEST_NAME`]
+    /// characters.
     pub(super) fn is_prose(&self, column: usize) -> bool {
         let is_long = |row: &Vec<String>| row[column].chars().count() > LONGEST_NAME;
         self.columns[column].1 == Align::Text && self.rows.iter().any(is_long)
@@ -139,8 +128,11 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let rows = [["a|b_<i>".to_owned(), "0.50 ± 0.10".to_owned()]];
-        Table::new("What 50 % means.".into(), 1, ["Name", "Value"], rows.into_iter())
+        Table {
+            caption: "What 50 % means.".into(),
+            columns: vec![("Name", Align::Text), ("Value", Align::Number)],
+            rows: vec![vec!["a|b_<i>".to_owned(), "0.50 ± 0.10".to_owned()]],
+        }
     }
 
     #[test]

@@ -1,33 +1,34 @@
 //! Tables: Markdown, HTML and LaTeX to read, CSV and Parquet to compute with.
+//!
+//! A table is rows and a list of [`Column`]s; everything else follows from these.
+//!
+//! ```
+//! use reports::render::table::{Column, Sheet};
+//!
+//! let columns = [
+//!     Column::text("name", "name of the run", |row: &(&str, f64)| row.0.to_owned())
+//!         .named("Name", |row| row.0.to_owned()),
+//!     Column::real("hours", "hours that it took", |row: &(&str, f64)| row.1)
+//!         .shown("Hours", |row| format!("{:.2}", row.1)),
+//! ];
+//! let sheet = Sheet::of("How long it took.".to_owned(), &[("a", 1.25), ("b", 0.5)], &columns)?;
+//! assert!(sheet.table.markdown().ends_with("| Name | Hours |\n| --- | ---: |\n| a | 1.25 |\n| b | 0.50 |\n"));
+//! assert_eq!(reports::render::table::csv(sheet.data)?, b"name,hours\na,1.25\nb,0.5\n");
+//! # Ok::<(), reports::ReportError>(())
+//! ```
 
-mod aggregate;
-mod cells;
-mod comparison;
-mod cost;
-mod deviations;
-mod environment;
+pub(crate) mod cells;
+mod column;
 mod latex;
-mod ledger;
 mod markup;
-mod readings;
-mod runs;
-mod summary;
-mod teaching;
+mod sheet;
 
-use polars::prelude::{Column, CsvWriter, DataFrame, NamedFrom, ParquetWriter, SerWriter, Series};
+use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, SerWriter};
 
-pub use aggregate::{aggregate_frame, aggregate_table};
-pub use comparison::{comparison_frame, comparison_table};
-pub use cost::{cost_frame, cost_table};
-pub use deviations::deviation_table;
-pub use environment::{environment_frame, environment_table};
-pub use ledger::{ledger_frame, ledger_table};
+pub use column::{Column, ColumnInfo};
 pub(crate) use markup::markdown_escape;
 pub use markup::{Align, Table, html_escape};
-pub use readings::{readings_frame, readings_table};
-pub use runs::{run_frame, run_table};
-pub use summary::{summary_frame, summary_table};
-pub use teaching::{teaching_frame, teaching_table};
+pub use sheet::Sheet;
 
 use crate::error::ReportError;
 
@@ -49,13 +50,4 @@ pub fn parquet(mut frame: DataFrame) -> Result<Vec<u8>, ReportError> {
     let mut bytes = Vec::new();
     ParquetWriter::new(&mut bytes).finish(&mut frame)?;
     Ok(bytes)
-}
-
-/// A column of one value per row.
-pub(crate) fn column<'a, R, T>(name: &str, rows: &'a [R], value: impl Fn(&'a R) -> T) -> Column
-where
-    Series: NamedFrom<Vec<T>, [T]>,
-{
-    let values: Vec<T> = rows.iter().map(value).collect();
-    Column::new(name.into(), values)
 }

@@ -1,0 +1,51 @@
+//! What a report is told: on its own it knows no method, no environment and no claim.
+//!
+//! Whoever asks for a report hands in a [`Catalogue`]. Results can hold more than it names: a method that is
+//! not in it is shown by its id, and environments without an entry are drawn all the same.
+
+mod environment;
+mod methods;
+mod paper;
+
+use std::sync::Arc;
+
+pub use environment::{EnvironmentInfo, MazeInfo};
+pub use methods::{MethodInfo, natural_order};
+pub use paper::{Axis, Claim, ClaimKind, Deviation, Measure, Paper, ReadingChoice, Rule};
+
+/// Everything that a report is told about methods, environments and the paper that it sets results against.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Catalogue {
+    methods: Vec<Arc<MethodInfo>>,
+    /// Dimensions for the table of environments; those that were not run are left out.
+    pub environments: Vec<EnvironmentInfo>,
+    /// Mazes to draw heat maps of; those that were not run are left out.
+    pub mazes: Vec<MazeInfo>,
+    /// The paper; the default one compares nothing and claims nothing.
+    pub paper: Paper,
+}
+
+impl Catalogue {
+    /// A catalogue of `methods`, in the order of legends and tables, that knows nothing else yet.
+    pub fn of(methods: impl IntoIterator<Item = MethodInfo>) -> Self {
+        let ranked = methods.into_iter().enumerate().map(|(rank, method)| Arc::new(method.ranked(rank)));
+        Self { methods: ranked.collect(), ..Self::default() }
+    }
+
+    /// All methods, in order.
+    pub fn methods(&self) -> &[Arc<MethodInfo>] {
+        &self.methods
+    }
+
+    /// The method of a curriculum id; one that goes by its id, after all others, where the catalogue has
+    /// none.
+    pub fn method(&self, id: &str) -> Arc<MethodInfo> {
+        let known = self.methods.iter().find(|method| method.id == id);
+        known.map_or_else(|| Arc::new(MethodInfo::new(id, id, None)), Arc::clone)
+    }
+
+    /// Name of a curriculum in figures and tables.
+    pub fn title(&self, id: &str) -> String {
+        self.method(id).title.clone()
+    }
+}

@@ -1,0 +1,123 @@
+//! Everything that the figures and tables of a report are made of, computed once.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::analysis::ablation::{self, Ablation};
+use crate::analysis::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
+use crate::analysis::catalogue::{Catalogue, Paper};
+use crate::analysis::comparison::{self, Comparison};
+use crate::analysis::efficiency::{self, Efficiency};
+use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::groups::Groups;
+use crate::analysis::heat::Heat;
+use crate::analysis::improvement::{self, Improvement};
+use crate::analysis::ledger::{self, LedgerEntry};
+use crate::analysis::options::ReportOptions;
+use crate::analysis::readings::Readings;
+use crate::analysis::summary::GroupSummary;
+use crate::analysis::teaching::PickSummary;
+use crate::store::Store;
+
+/// The results, and all that is computed from them for more than one figure or table.
+#[derive(Debug)]
+pub struct Analysis<'a> {
+    /// The results.
+    pub store: &'a Store,
+    /// How the report is made.
+    pub options: &'a ReportOptions,
+    /// The runs by what they have in common.
+    pub groups: &'a Groups<'a>,
+    /// The numbers of every group.
+    pub summaries: Vec<GroupSummary>,
+    /// What teachers picked, for every group; empty where none of them tells.
+    pub picks: Vec<PickSummary>,
+    /// Sums over environments.
+    pub across: Across<'a>,
+    /// Methods and variants against their references.
+    pub comparisons: Vec<Comparison<'a>>,
+    /// Ablations of every axis of the paper, in its order.
+    pub ablations: Vec<Vec<Ablation<'a>>>,
+    /// The paper's claims.
+    pub ledger: Vec<LedgerEntry>,
+    /// The ledger's claims about baselines under every reading of the paper; empty without a family of two.
+    pub readings: Readings,
+    /// What teachers did in mazes.
+    pub heat: Heat<'a>,
+}
+
+impl<'a> Analysis<'a> {
+    /// The analysis of the results folder `results`, which `store` holds and `groups` are of.
+    pub fn of(results: &Path, store: &'a Store, groups: &'a Groups<'a>, options: &'a ReportOptions) -> Self {
+        let ReportOptions { window, resampling, ref catalogue } = *options;
+        let summary = |group: &Group<'_>| GroupSummary::of(group, window, resampling);
+        let mut picks: Vec<_> = groups.all.iter().map(PickSummary::of).collect();
+        if !picks.iter().any(PickSummary::tells) {
+            picks.clear();
+        }
+        let axes = &catalogue.paper.axes;
+        Self {
+            store,
+            options,
+            groups,
+            summaries: groups.all.par_iter().filter_map(summary).collect(),
+            picks,
+            across: Across::of(groups, options),
+            comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
+            ablations: axes.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
+            ledger: ledger::ledger(&groups.all, catalogue, window, resampling),
+            readings: Readings::of(&groups.all, catalogue, window, resampling),
+            heat: Heat::of(results, groups, &catalogue.mazes),
+        }
+    }
+
+    /// What is known of methods and environments.
+    pub fn catalogue(&self) -> &'a Catalogue {
+        &self.options.catalogue
+    }
+
+    /// The paper that the results are set against.
+    pub fn paper(&self) -> &'a Paper {
+        &self.options.catalogue.paper
+    }
+}
+
+/// Methods over the environments that all of them share; empty where these are too few.
+#[derive(Debug, Default)]
+pub struct Across<'a> {
+    /// These environments, by id.
+    pub environments: Vec<&'a str>,
+    /// Methods that lack too many environments.
+    pub left_out: Vec<&'a GroupKey>,
+    /// Sums of final scores.
+    pub aggregates: Vec<Aggregate<'a>>,
+    /// Performance profiles.
+    pub profiles: Vec<Profile<'a>>,
+    /// The first method against each other one.
+    pub improvements: Vec<Improvement<'a>>,
+    /// Sample efficiency.
+    pub efficiency: Vec<Efficiency<'a>>,
+}
+
+impl<'a> Across<'a> {
+    fn of(groups: &'a Groups<'_>, options: &ReportOptions) -> Self {
+        let shared = Shared::of(&groups.finals);
+        if shared.environments.len() < FEWEST_SHARED {
+            return Self::default();
+        }
+        let ReportOptions { window, resampling, .. } = *options;
+        let is_kept = |group: &&Group<'_>| {
+            shared.methods().iter().any(|(method, _)| method.cmp_method(&group.key).is_eq())
+        };
+        let kept: Vec<_> = groups.comparable.iter().filter(is_kept).collect();
+        Self {
+            aggregates: shared.aggregates(resampling),
+            profiles: shared.profiles(resampling),
+            improvements: improvement::improvements(&groups.finals.iter().collect::<Vec<_>>(), resampling),
+            efficiency: efficiency::curves(&kept, &shared.environments, window, resampling),
+            environments: shared.environments,
+            left_out: shared.left_out,
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Columns and captions that several tables share.
+
+use crate::analysis::group::GroupKey;
+use crate::analysis::ledger::{Effect, LedgerEntry};
+use crate::render::table::Column;
+
+pub(super) const ENVIRONMENT: (&str, &str) = ("environment", "environment id");
+pub(super) const CURRICULUM: (&str, &str) = ("curriculum", "curriculum id");
+pub(super) const VARIANT: (&str, &str) =
+    ("variant", "label of the protocol's variant, `default` where it has none");
+pub(super) const SEED: (&str, &str) =
+    ("seed", "run seed; runs of one environment and seed share initial weights and evaluation goals");
+
+/// The environment's id.
+pub(super) fn environment<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
+    let id = move |row: &R| key(row).environment.clone();
+    Column::text(ENVIRONMENT.0, ENVIRONMENT.1, id).named("Environment", id)
+}
+
+/// The curriculum's id; to read, its name.
+pub(super) fn curriculum<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
+    Column::text(CURRICULUM.0, CURRICULUM.1, move |row| key(row).curriculum.id.clone())
+        .named("Curriculum", move |row| key(row).curriculum.title.clone())
+}
+
+/// The variant's label.
+pub(super) fn variant<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
+    let label = move |row: &R| key(row).variant.clone();
+    Column::text(VARIANT.0, VARIANT.1, label).named("Variant", label)
+}
+
+/// Seeds with at least one evaluation.
+pub(super) fn seeds<'c, R: 'c>(count: fn(&R) -> usize) -> Column<'c, R> {
+    Column::count("n_seeds", "seeds with at least one evaluation", move |row| count(row) as u64)
+}
+
+/// `95`: a share as whole or broken per cent.
+pub(super) fn percent(share: f64) -> f64 {
+    share * 100.0
+}
+
+/// The effect that a verdict rests on: difference, test and what it was made of.
+pub(super) fn effect<'c, R: 'c>(
+    entry: fn(&R) -> Option<&LedgerEntry>,
+    difference: &'static str,
+    confidence: &'static str,
+) -> [Column<'c, R>; 10] {
+    let real = move |value: fn(&LedgerEntry) -> Option<f64>| move |row: &R| entry(row).and_then(value);
+    let count =
+        move |value: fn(&Effect) -> usize| move |row: &R| entry(row).map(|entry| value(&entry.effect) as u64);
+    [
+        Column::real("effect", difference, real(|entry| entry.effect.difference)),
+        Column::real(
+            "ci_low",
+            "lower end of the interval that the sign-flip test does not refuse; empty for too few pairs",
+            real(|entry| entry.effect.interval.map(|ci| ci.0)),
+        ),
+        Column::real("ci_high", "its upper end", real(|entry| entry.effect.interval.map(|ci| ci.1))),
+        Column::real("confidence", confidence, real(|entry| Some(entry.confidence))),
+        Column::real(
+            "p",
+            "two-sided p-value of the sign-flip test of no difference, uncorrected",
+            real(|entry| entry.effect.p),
+        ),
+        Column::count(
+            "environments",
+            "environments with enough pairs",
+            count(|effect| effect.environments.len()),
+        ),
+        Column::count(
+            "environments_ahead",
+            "those of them where the mean difference is above 0",
+            count(|effect| effect.ahead),
+        ),
+        Column::count(
+            "environments_behind",
+            "those of them where it is below 0",
+            count(|effect| effect.behind),
+        ),
+        Column::count("pairs", "pairs of runs with the same seed in them", count(|effect| effect.pairs)),
+        Column::count(
+            "runs_left_out",
+            "runs that are not finished or were evaluated at other steps",
+            count(|effect| effect.left_out),
+        ),
+    ]
+}

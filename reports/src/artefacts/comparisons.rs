@@ -1,0 +1,139 @@
+//! Methods against the first method of each environment.
+
+use super::{Artefact, Repeated, Section, columns};
+use crate::analysis::comparison::{ALPHA, Comparison, TARGET_POWER};
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::table::cells::{
+    BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, p_value, thousands, with_interval,
+};
+use crate::render::table::{Column, Sheet};
+use crate::stats::Resampling;
+
+const SECTION: Section = Section::Named { id: "comparisons", title: "Comparisons" };
+
+pub(super) const ROW: Artefact =
+    Artefact::table("comparisons", SECTION, "method and its reference", sheet).repeated(Repeated::Open);
+
+fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
+    Sheet::of(caption(analysis.options.resampling), &analysis.comparisons, &columns())
+}
+
+/// What is compared, over how many runs, and by how much.
+fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    let mut columns = vec![
+        Column::text(
+            "family",
+            "`methods` or `variants`: the comparisons that p_holm corrects for together",
+            |row: &Comparison<'_>| row.family.as_str().to_owned(),
+        ),
+        columns::environment(|row: &Comparison<'_>| row.method),
+        columns::curriculum(|row: &Comparison<'_>| row.method).named("Method", |row| row.method.name()),
+        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &Comparison<'_>| {
+            row.method.variant.clone()
+        }),
+        Column::text("reference_curriculum", "curriculum id of the reference", |row: &Comparison<'_>| {
+            row.reference.curriculum.id.clone()
+        })
+        .named("Reference", |row| row.reference.name()),
+        Column::text("reference_variant", "variant of the reference", |row: &Comparison<'_>| {
+            row.reference.variant.clone()
+        }),
+        Column::count("n_seeds", "finished runs of the same evaluations", |row: &Comparison<'_>| {
+            row.n.0 as u64
+        }),
+        Column::count("n_reference", "the same for the reference", |row: &Comparison<'_>| row.n.1 as u64),
+        Column::count(
+            "runs_left_out",
+            "runs of both that are not finished or were evaluated at other steps",
+            |row: &Comparison<'_>| row.left_out as u64,
+        ),
+        Column::count("n_pairs", "seeds that both have", |row: &Comparison<'_>| row.pairs as u64)
+            .shown("Pairs", |row| row.pairs.to_string()),
+        Column::real(
+            "difference",
+            "mean over pairs of the difference of final success, method minus reference",
+            |row: &Comparison<'_>| row.difference,
+        )
+        .shown("Difference", |row| {
+            or_undefined(row.difference, |difference| with_interval(difference, row.difference_ci))
+        }),
+        Column::real(
+            "difference_ci_low",
+            "lower end of its paired bootstrap interval",
+            |row: &Comparison<'_>| row.difference_ci.map(|ci| ci.0),
+        ),
+        Column::real("difference_ci_high", "its upper end", |row: &Comparison<'_>| {
+            row.difference_ci.map(|ci| ci.1)
+        }),
+    ];
+    columns.extend(tests());
+    columns
+}
+
+/// Whether that is chance, and what it would take to know.
+fn tests<'a>() -> [Column<'a, Comparison<'a>>; 10] {
+    [
+        Column::real(
+            "sign_flip_p",
+            "two-sided p-value of the exact sign-flip test of these pairs, uncorrected; not below 2^(1 - n_pairs)",
+            |row: &Comparison<'_>| row.sign_flip.map(|test| test.p),
+        )
+        .shown("p (sign flips)", |row| or_undefined(row.sign_flip, |test| p_value(test.p))),
+        Column::real(
+            "probability_of_improvement",
+            "P(run of the method > run of the reference), ties one half",
+            |row: &Comparison<'_>| row.probability_of_improvement,
+        )
+        .shown("P(improvement)", |row| or_undefined(row.probability_of_improvement, decimal)),
+        Column::real(
+            "welch_t",
+            "t of Welch's test of equal means; empty where neither side varies",
+            |row: &Comparison<'_>| row.welch.map(|test| test.t),
+        ),
+        Column::real("welch_df", "its degrees of freedom", |row: &Comparison<'_>| row.welch.map(|test| test.df)),
+        Column::real("welch_p", "its two-sided p-value, uncorrected", |row: &Comparison<'_>| {
+            row.welch.map(|test| test.p)
+        }),
+        Column::real(
+            "p_holm",
+            "the p-value corrected by Holm's method for all comparisons of its family",
+            |row: &Comparison<'_>| row.p_holm,
+        )
+        .shown("p (Holm)", |row| or_undefined(row.p_holm, p_value)),
+        Column::real("effect_size", "Cohen's d", |row: &Comparison<'_>| row.effect_size),
+        Column::real(
+            "level",
+            "0.05 over the tests of the family: the strictest level that Holm's method asks for",
+            |row: &Comparison<'_>| row.level,
+        ),
+        Column::real(
+            "power",
+            "power of the t-test at that level to find an effect of that size with the seeds at hand",
+            |row: &Comparison<'_>| row.power,
+        )
+        .shown("Power", |row| or_undefined(row.power, decimal)),
+        Column::count(
+            "needed_seeds",
+            "seeds on each side to find it; empty above 10,000",
+            |row: &Comparison<'_>| row.needed_seeds,
+        )
+        .shown("Seeds needed", |row| or_undefined(row.needed_seeds, thousands)),
+    ]
+}
+
+fn caption(resampling: Resampling) -> String {
+    format!(
+        "Final success of each method against the first method of its environment, and of each variant of a method \
+         against its default, from finished runs of the same evaluations. Difference: method minus reference, mean over \
+         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): exact \
+         test of these pairs, uncorrected; it cannot fall below 0.016 for 7 pairs. P(improvement): probability that a \
+         random run of the method scores above one of the reference, ties counting one half. p (Holm): Welch's two-sided \
+         t-test, which does not use the pairs, corrected by Holm's method for all comparisons of methods, and for all of \
+         variants; {UNDEFINED} where neither side varies. Variants whose runs are those of the reference evaluation by \
+         evaluation are left out. Power: to find an effect of the observed size with the seeds at hand at the strictest \
+         level of that correction ({ALPHA} over the number of tests); an observed effect makes it optimistic. Seeds \
+         needed: on each side, for a power of {TARGET_POWER} at that level; {UNDEFINED} for more than 10,000.",
+        columns::percent(resampling.confidence),
+    )
+}

@@ -1,0 +1,23 @@
+//! Sample efficiency of all methods.
+
+use super::{ACROSS, Artefact, Drawing};
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::figure;
+
+pub(super) const ROW: Artefact = Artefact::figures("efficiency", ACROSS, draw);
+
+fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
+    let across = &analysis.across;
+    if across.efficiency.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (count, resampling) = (across.environments.len(), analysis.options.resampling);
+    let keys = analysis.groups.keys();
+    Ok(vec![Drawing {
+        name: "efficiency".to_owned(),
+        title: format!("Sample efficiency, {count} environments"),
+        environment: None,
+        svg: figure::efficiency(&across.efficiency, count, resampling, keys)?,
+    }])
+}

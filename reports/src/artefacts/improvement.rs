@@ -1,0 +1,22 @@
+//! The probability that the first method improves on each other one.
+
+use super::{ACROSS, Artefact, Drawing};
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::figure;
+
+pub(super) const ROW: Artefact = Artefact::figures("improvement", ACROSS, draw);
+
+fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
+    let across = &analysis.across;
+    if across.improvements.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (resampling, keys) = (analysis.options.resampling, analysis.groups.keys());
+    Ok(vec![Drawing {
+        name: "improvement".to_owned(),
+        title: "Probability of improvement, environments that both methods have".to_owned(),
+        environment: None,
+        svg: figure::improvements(&across.improvements, resampling, keys)?,
+    }])
+}

@@ -1,0 +1,23 @@
+//! Interquartile mean and optimality gap of all methods, with their intervals.
+
+use super::{ACROSS, Artefact, Drawing};
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::figure;
+
+pub(super) const ROW: Artefact = Artefact::figures("aggregates", ACROSS, draw);
+
+fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
+    let across = &analysis.across;
+    if across.aggregates.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (count, resampling) = (across.environments.len(), analysis.options.resampling);
+    let keys = analysis.groups.keys();
+    Ok(vec![Drawing {
+        name: "aggregates".to_owned(),
+        title: format!("Interquartile mean and optimality gap, {count} environments"),
+        environment: None,
+        svg: figure::aggregates(&across.aggregates, resampling, keys)?,
+    }])
+}

@@ -1,0 +1,140 @@
+//! The whole report of a results folder.
+
+use std::path::{Path, PathBuf};
+
+use super::files::{self, File};
+use super::made::{Made, make, shown};
+use super::{ARTEFACTS, Artefact, Content, Section, page};
+use crate::analysis::comparison::{ALPHA, TARGET_POWER};
+use crate::analysis::groups::Groups;
+use crate::analysis::missing;
+use crate::analysis::options::ReportOptions;
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::table::{self, markdown_escape};
+use crate::store::Store;
+use crate::store::layout;
+use crate::store::problem::Problem;
+
+/// What a report consists of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// The files written, in order: the page, tables and data, figures, and the list of them all.
+    pub files: Vec<PathBuf>,
+    /// What is wrong with the results, for the caller to show.
+    pub problems: Vec<Problem>,
+    /// What the report lacks for being complete, in words.
+    pub missing: Vec<String>,
+    /// Runs that the report rests on.
+    pub runs: usize,
+    /// Evaluations of all runs.
+    pub evaluations: usize,
+}
+
+/// Writes figures and tables of all evaluations so far into `results/report/`. Each file is replaced
+/// atomically, files of the report before that this one lacks are removed; the same results give the same
+/// bytes.
+///
+/// # Errors
+/// What [`Store::read`] refuses; [`ReportError::NoRecords`] if there is nothing to draw;
+/// [`ReportError::Option`];
+/// [`ReportError::Io`] if a file cannot be written.
+pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
+    options.check()?;
+    let store = Store::read(results)?;
+    if store.is_empty() {
+        return Err(ReportError::NoRecords {
+            path: results.to_owned(),
+            runs: store.runs().len(),
+            problems: store.problems().to_vec(),
+        });
+    }
+    let groups = Groups::of(&store, options);
+    let analysis = Analysis::of(results, &store, &groups, options);
+    // The problems of all files, for the report and for the caller.
+    let mut problems = [store.problems(), &analysis.heat.problems].concat();
+    problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
+    let missing = missing::all(&analysis);
+    let made: Result<Vec<Made>, ReportError> = ARTEFACTS.iter().map(|row| make(row, &analysis)).collect();
+    let made = made?;
+
+    let mut files: Vec<File> = vec![
+        ("index.html".into(), page::html(&analysis, &made, &missing, &problems).into_bytes()),
+        ("summary.md".into(), markdown(&store, &made, &missing, &problems).into_bytes()),
+    ];
+    for (artefact, sheet) in shown(&made) {
+        files.push((format!("tables/{}.tex", artefact.id).into(), sheet.table.latex().into_bytes()));
+    }
+    for made in &made {
+        files.extend(data(made)?);
+    }
+    files.push(("DATA.md".into(), dictionary(options, &made).into_bytes()));
+    files.extend(made.into_iter().flat_map(|made| made.figures));
+
+    let files = files::write_all(&layout::report_dir(results), files)?;
+    Ok(Written { files, problems, missing, runs: store.runs().len(), evaluations: store.len() })
+}
+
+/// The numbers of a table as CSV, and as Parquet where there is such a file.
+fn data(made: &Made) -> Result<Vec<File>, ReportError> {
+    let Some(sheet) = made.sheet.as_ref().filter(|sheet| !sheet.dictionary.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let Artefact { id, content, .. } = made.artefact;
+    let csv = (format!("{id}.csv").into(), table::csv(sheet.data.clone())?);
+    Ok(match content {
+        Content::Table { parquet: true, .. } => {
+            vec![(format!("{id}.parquet").into(), table::parquet(sheet.data.clone())?), csv]
+        }
+        _ => vec![csv],
+    })
+}
+
+/// The report as Markdown: all tables, and what is missing or wrong.
+fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[Problem]) -> String {
+    let (evaluations, runs) = (store.len(), store.runs().len());
+    let mut text = format!(
+        "# Results\n\n{evaluations} evaluations of {runs} runs.\n\n\
+         ![Success rate over training](figures/grid.png)\n"
+    );
+    let mut last = super::RESULTS;
+    for (artefact, sheet) in shown(made) {
+        if let Section::Named { title, .. } = artefact.section
+            && artefact.section != last
+        {
+            text.push_str(&format!("\n## {title}\n"));
+        }
+        last = artefact.section;
+        text.push_str(&format!("\n{}", sheet.table.markdown()));
+    }
+    let mut list = |title: &str, items: Vec<String>| {
+        if !items.is_empty() {
+            text.push_str(&format!("\n## {title} ({})\n\n", items.len()));
+            text.extend(items.iter().map(|item| format!("- {}\n", markdown_escape(item))));
+        }
+    };
+    list("Missing", missing.to_vec());
+    list("Problems", problems.iter().map(Problem::to_string).collect());
+    text
+}
+
+/// The data dictionary: what every column of every file of data means.
+fn dictionary(options: &ReportOptions, made: &[Made]) -> String {
+    let file = |made: &Made| {
+        let Content::Table { row, parquet, .. } = made.artefact.content else { return None };
+        let sheet = made.sheet.as_ref().filter(|sheet| !sheet.dictionary.is_empty())?;
+        let id = made.artefact.id;
+        let names = if parquet { format!("{id}.csv, {id}.parquet") } else { format!("{id}.csv") };
+        Some(format!("\n## {names}: one row per {row}\n\n{}", sheet.dictionary_markdown()))
+    };
+    format!(
+        "# Data dictionary\n\nThe numbers behind the report, unrounded. CSV and Parquet of one name hold the same; an \
+         empty field of a CSV is null in Parquet. Final success: over the last {} evaluations of a run. Intervals: {} \
+         %, bootstrap with {} resamples where not said otherwise. Power: at level {ALPHA} over the number of tests, needed \
+         seeds for a power of {TARGET_POWER}.\n{}",
+        options.window,
+        options.resampling.confidence * 100.0,
+        options.resampling.resamples,
+        made.iter().filter_map(file).collect::<String>(),
+    )
+}
