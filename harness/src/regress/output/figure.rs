@@ -18,7 +18,7 @@ pub fn figure(check: &Check<'_>) -> Result<String, HarnessError> {
     let catalogue = paper::catalogue(&Registry::builtin());
     let mut cells: Vec<(&Cell, &Cell)> = check.before.iter().zip(check.now).collect();
     // Stable: environments stay in the protocol's order.
-    cells.sort_by(|(a, _), (b, _)| catalogue.method(&a.curriculum).cmp(&catalogue.method(&b.curriculum)));
+    cells.sort_by_key(|(before, _)| catalogue.method(&before.curriculum));
     let pairs: Vec<(String, [Curve; 2])> = cells
         .into_iter()
         .map(|(before, now)| {
