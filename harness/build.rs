@@ -1,5 +1,5 @@
-//! Lets this package's binaries, tests and benches find libmujoco and libtorch at run time, and tells the program from which
-//! commit it was built.
+//! Lets this package's binaries, tests and benches find libmujoco and libtorch at run time, and tells the
+//! program from which commit it was built.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +7,8 @@ use std::process::Command;
 #[path = "../ci/link.rs"]
 mod link;
 
-/// What a result depends on. The build script runs again when one of them changes, so that it never tells an old commit.
+/// What a result depends on. The build script runs again when one of them changes, so that it never tells an
+/// old commit.
 const SOURCES: [&str; 8] = [
     "../Cargo.toml",
     "../Cargo.lock",
@@ -31,8 +32,8 @@ fn main() {
     println!("cargo::rustc-env=GOALBENCH_VERSION={version}");
 }
 
-/// The commit that the sources are at, as in `0123456789ab` or `0123456789ab, modified`; `None` where git knows nothing
-/// of them: an unpacked archive, a copy inside another project.
+/// The commit that the sources are at, as in `0123456789ab` or `0123456789ab, modified`; `None` where git
+/// knows nothing of them: an unpacked archive, a copy inside another project.
 fn commit() -> Option<String> {
     for source in SOURCES {
         println!("cargo::rerun-if-changed={source}");

@@ -62,7 +62,8 @@ pub struct StudentConfig {
     pub batch: Auto<usize>,
     /// Units per hidden layer, at least 1. 256 (Baselines; TEACH does not say).
     pub width: usize,
-    /// Hidden layers, 1 to 8. Auto: what the environment says, 2 and for the Hand 3 (TEACH 5.2); `official` 3.
+    /// Hidden layers, 1 to 8. Auto: what the environment says, 2 and for the Hand 3 (TEACH 5.2); `official`
+    /// 3.
     pub layers: Auto<usize>,
     /// Discount γ in [0, 1). Auto: 1 − 1/H (Baselines).
     pub gamma: Auto<f64>,

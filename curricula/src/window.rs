@@ -89,8 +89,8 @@ impl Window {
         self.evaluations.iter().nth_back(1).map(Vec::as_slice)
     }
 
-    /// |C(g, t) − C(g, t−1)| of every goal, shape `[N]`: the simple difference that TEACH, section 4.3, argues
-    /// against. All 0 with one evaluation, empty without any.
+    /// |C(g, t) − C(g, t−1)| of every goal, shape `[N]`: the simple difference that TEACH, section 4.3,
+    /// argues against. All 0 with one evaluation, empty without any.
     pub fn difference(&self) -> Vec<f64> {
         let newest = self.last().unwrap_or_default();
         let before = self.before_last().unwrap_or(newest);

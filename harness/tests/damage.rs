@@ -20,7 +20,8 @@ fn finished() -> tempfile::TempDir {
     folder
 }
 
-/// The same command once more must refuse and say each of `expected`; so must a merge; status goes on and says it, too.
+/// The same command once more must refuse and say each of `expected`; so must a merge; status goes on and
+/// says it, too.
 fn noticed(results: &Path, expected: &[&str]) {
     let out = results.with_extension("merged");
     let text = |path: &Path| path.to_str().expect("a test path is UTF-8").to_owned();

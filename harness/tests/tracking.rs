@@ -1,4 +1,5 @@
-//! TensorBoard event files: their frames, their growth over a resumed run, and TensorBoard itself as the reader.
+//! TensorBoard event files: their frames, their growth over a resumed run, and TensorBoard itself as the
+//! reader.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "says that it was skipped")]

@@ -1,7 +1,7 @@
 //! Makes up results and reports them: `cargo run --release -p reports --example synthetic_report -- FOLDER`.
 //!
-//! The folder gets results of the size of a whole paper, ablations included, with their report; the seconds and the
-//! memory that the report took are printed.
+//! The folder gets results of the size of a whole paper, ablations included, with their report; the seconds
+//! and the memory that the report took are printed.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

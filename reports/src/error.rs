@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::store::problem::Problem;
+use crate::store::problem::StoreProblem;
 
 /// Errors of this crate. What failed below is an error's source, and no part of its text. What is wrong with
-/// single files of a results folder is a [`Problem`] instead: it is reported beside the figures and never
+/// single files of a results folder is a [`StoreProblem`] instead: it is reported beside the figures and never
 /// stops them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -33,7 +33,7 @@ pub enum ReportError {
         /// Runs whose manifest could be read.
         runs: usize,
         /// What is wrong with the files at hand.
-        problems: Vec<Problem>,
+        problems: Vec<StoreProblem>,
     },
     /// An option outside its range.
     #[error("option {option} is {value}; expected {accepted}")]

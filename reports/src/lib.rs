@@ -11,7 +11,7 @@
 //! Each part knows those before it alone: `schema`, `store`, `stats`, `analysis`, `render`, `artefacts`. What
 //! a report shows is the table [`artefacts::ARTEFACTS`].
 //!
-//! The crate never prints: what is wrong with single files comes back as [`store::problem::Problem`]s.
+//! The crate never prints: what is wrong with single files comes back as [`store::problem::StoreProblem`]s.
 
 pub mod analysis;
 pub mod artefacts;

@@ -42,12 +42,8 @@ type Unfinished = (&'static str, &'static [&'static str]);
 
 /// To whoever merges the rebuilt crates: take each folder out as soon as its crate is clean. A rule without
 /// any folder needs no row.
-const UNFINISHED: [Unfinished; 4] = [
-    (length::RULE, &[]),
-    (comments::RULE, &["curricula", "envs", "harness", "reports"]),
-    (nouns::RULE, &["curricula", "envs", "harness", "reports"]),
-    (glossary::RULE, &[]),
-];
+const UNFINISHED: [Unfinished; 4] =
+    [(length::RULE, &[]), (comments::RULE, &[]), (nouns::RULE, &[]), (glossary::RULE, &[])];
 
 fn project() -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));

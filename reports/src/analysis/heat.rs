@@ -9,7 +9,7 @@ use crate::analysis::group::GroupKey;
 use crate::analysis::groups::Groups;
 use crate::schema::Teaching;
 use crate::store;
-use crate::store::problem::Problem;
+use crate::store::problem::StoreProblem;
 
 /// Thirds of training.
 pub const PHASES: [&str; 3] = ["early", "middle", "late"];
@@ -86,7 +86,7 @@ pub struct Heat<'a> {
     /// Mazes with at least one heat map.
     pub mazes: Vec<MazeHeat<'a>>,
     /// What is wrong with these files.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<StoreProblem>,
 }
 
 /// Heat maps of one maze.

@@ -52,8 +52,8 @@ pub fn area_under_curve(records: &[Record]) -> Option<f64> {
     area(records.iter().map(|record| (record.step, record.success_rate)))
 }
 
-/// Area under the `(step, rate)` points of a curve by the trapezoid rule, divided by the steps it spans: a mean success
-/// rate in [0, 1]. `None` where it spans no step.
+/// Area under the `(step, rate)` points of a curve by the trapezoid rule, divided by the steps it spans: a
+/// mean success rate in [0, 1]. `None` where it spans no step.
 ///
 /// ```
 /// // (10 * 0.25 + 30 * 0.75) / 40

@@ -21,8 +21,8 @@ pub struct PickSummary {
     pub key: GroupKey,
     /// Seeds with at least one evaluation.
     pub n_seeds: usize,
-    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; no entry where
-    /// none has.
+    /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; no entry
+    /// where none has.
     means: BTreeMap<&'static str, f64>,
 }
 

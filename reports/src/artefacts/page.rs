@@ -5,14 +5,14 @@ use super::{Artefact, Content, Drawing, RESULTS, Repeated, Section};
 use crate::analysis::whole::Analysis;
 use crate::render::page::{self, PageSection, Picture};
 use crate::render::table::{Sheet, Table};
-use crate::store::problem::Problem;
+use crate::store::problem::StoreProblem;
 
 /// `index.html`.
 pub(super) fn html(
     analysis: &Analysis<'_>,
     made: &[Made],
     missing: &[String],
-    problems: &[Problem],
+    problems: &[StoreProblem],
 ) -> String {
     let mut sections = Vec::new();
     let mut done: Vec<Section> = vec![Section::Nowhere];
@@ -48,7 +48,7 @@ pub(super) fn html(
 }
 
 /// How much there is, with links to what is wrong.
-fn overview(analysis: &Analysis<'_>, missing: &[String], problems: &[Problem]) -> String {
+fn overview(analysis: &Analysis<'_>, missing: &[String], problems: &[StoreProblem]) -> String {
     let runs = analysis.store.runs();
     let finished = runs.iter().filter(|run| run.is_finished()).count();
     let linked = |count: usize, what: &str, id: &str| {

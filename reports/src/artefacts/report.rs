@@ -14,7 +14,7 @@ use crate::error::ReportError;
 use crate::render::table::{self, markdown_escape};
 use crate::store::Store;
 use crate::store::layout;
-use crate::store::problem::Problem;
+use crate::store::problem::StoreProblem;
 
 /// What a report consists of.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Written {
     /// The files written, in order: the page, tables and data, figures, and the list of them all.
     pub files: Vec<PathBuf>,
     /// What is wrong with the results, for the caller to show.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<StoreProblem>,
     /// What the report lacks for being complete, in words.
     pub missing: Vec<String>,
     /// Runs that the report rests on.
@@ -91,7 +91,7 @@ fn data(made: &Made) -> Result<Vec<File>, ReportError> {
 }
 
 /// The report as Markdown: all tables, and what is missing or wrong.
-fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[Problem]) -> String {
+fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[StoreProblem]) -> String {
     let (evaluations, runs) = (store.len(), store.runs().len());
     let mut text = format!(
         "# Results\n\n{evaluations} evaluations of {runs} runs.\n\n\
@@ -114,7 +114,7 @@ fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[Proble
         }
     };
     list("Missing", missing.to_vec());
-    list("Problems", problems.iter().map(Problem::to_string).collect());
+    list("Problems", problems.iter().map(StoreProblem::to_string).collect());
     text
 }
 

@@ -10,7 +10,7 @@ use super::load::Loader;
 use super::run_folder::JsonLine;
 use crate::schema::{Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
-use crate::store::problem::{Fault, Problem};
+use crate::store::problem::{Fault, StoreProblem};
 
 /// A line that belongs to one evaluation.
 trait OfEvaluation: JsonLine {
@@ -183,7 +183,7 @@ pub(super) fn outcome(outcome: &Outcome, last_step: Option<u64>) -> Vec<Fault> {
 
 /// Names every run that is not configured like the first run of its curve (same environment, curriculum and
 /// variant). `runs` come sorted by key.
-pub(super) fn configs(runs: &[Run]) -> Vec<Problem> {
+pub(super) fn configs(runs: &[Run]) -> Vec<StoreProblem> {
     let curve = |run: &Run| {
         let RunKey { environment, curriculum, variant, .. } = run.key().clone();
         (environment, curriculum, variant)
@@ -195,7 +195,7 @@ pub(super) fn configs(runs: &[Run]) -> Vec<Problem> {
             if let Some(pointer) = first_difference(&first.manifest.config, &run.manifest.config) {
                 let path = layout::run_dir(Path::new(""), run.key()).join(layout::MANIFEST);
                 let fault = Fault::Config { other: first.key().clone(), pointer };
-                problems.push(Problem { path, line: None, fault });
+                problems.push(StoreProblem { path, line: None, fault });
             }
         }
     }

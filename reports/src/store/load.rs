@@ -1,7 +1,7 @@
 //! Reading a run leniently: what is sound is used, everything else is named.
 
 use super::error::StoreError;
-use super::problem::{Fault, Problem};
+use super::problem::{Fault, StoreProblem};
 use super::results::Results;
 use super::run_folder::{JsonLine, RunFolder};
 use super::{Run, check, layout, lines};
@@ -11,7 +11,7 @@ use crate::schema::{Crash, Manifest, SCHEMA};
 pub(super) struct Loader<'a> {
     results: &'a Results,
     folder: &'a RunFolder,
-    problems: Vec<Problem>,
+    problems: Vec<StoreProblem>,
 }
 
 impl<'a> Loader<'a> {
@@ -20,14 +20,14 @@ impl<'a> Loader<'a> {
     }
 
     /// What was found wrong.
-    pub(super) fn into_problems(self) -> Vec<Problem> {
+    pub(super) fn into_problems(self) -> Vec<StoreProblem> {
         self.problems
     }
 
     /// Notes that something is wrong with a file.
     pub(super) fn fault(&mut self, file: &str, line: Option<usize>, fault: Fault) {
         let path = self.results.relative(&self.folder.file(file)).to_owned();
-        self.problems.push(Problem { path, line, fault });
+        self.problems.push(StoreProblem { path, line, fault });
     }
 
     /// What a strict reading gives; an error becomes a problem with the file.

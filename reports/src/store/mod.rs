@@ -27,7 +27,7 @@ pub use teaching::teaching;
 
 use crate::error::ReportError;
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
-use crate::store::problem::Problem;
+use crate::store::problem::StoreProblem;
 
 /// One run, as far as it got.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Run {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Store {
     runs: Vec<Run>,
-    problems: Vec<Problem>,
+    problems: Vec<StoreProblem>,
 }
 
 impl Store {
@@ -66,7 +66,7 @@ impl Store {
     ///
     /// # Errors
     /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder. Anything
-    /// below that is a [`Problem`].
+    /// below that is a [`StoreProblem`].
     pub fn read(results: &Path) -> Result<Self, ReportError> {
         if !results.is_dir() {
             return Err(ReportError::NotFound { path: results.to_owned() });
@@ -101,7 +101,7 @@ impl Store {
     }
 
     /// What is wrong with the folder, by path and line.
-    pub fn problems(&self) -> &[Problem] {
+    pub fn problems(&self) -> &[StoreProblem] {
         &self.problems
     }
 

@@ -6,7 +6,7 @@ use crate::schema::RunKey;
 
 /// Something wrong at one place of a results folder. The rest of the folder is used all the same.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Problem {
+pub struct StoreProblem {
     /// The file or folder, relative to the results folder.
     pub path: PathBuf,
     /// The line, counted from 1, where it is about one line.
@@ -15,7 +15,7 @@ pub struct Problem {
     pub fault: Fault,
 }
 
-impl std::fmt::Display for Problem {
+impl std::fmt::Display for StoreProblem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.path.display())?;
         if let Some(line) = self.line {

@@ -6,7 +6,7 @@ use walkdir::WalkDir;
 
 use super::error::StoreError;
 use super::layout::{self, DEPTH};
-use super::problem::{Fault, Problem};
+use super::problem::{Fault, StoreProblem};
 use super::run_folder::RunFolder;
 
 const BELOW_RUNS: &str = "folders ENVIRONMENT/CURRICULUM/VARIANT/seed-N";
@@ -40,7 +40,7 @@ impl Results {
     }
 
     /// The same for readers that use what is sound: runs, and what else lies about under `runs/`.
-    pub(super) fn survey(&self) -> (Vec<RunFolder>, Vec<Problem>) {
+    pub(super) fn survey(&self) -> (Vec<RunFolder>, Vec<StoreProblem>) {
         let (mut runs, mut problems) = (Vec::new(), Vec::new());
         for entry in self.walk() {
             let (path, fault) = match entry {
@@ -55,7 +55,7 @@ impl Results {
                 }
                 Err(error) => (error.path().to_owned(), Fault::Unreadable { reason: error.to_string() }),
             };
-            problems.push(Problem { path: self.relative(&path).to_owned(), line: None, fault });
+            problems.push(StoreProblem { path: self.relative(&path).to_owned(), line: None, fault });
         }
         (runs, problems)
     }
