@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::store::problem::StoreProblem;
 
-/// Errors of this crate. What failed below is an error's source, and no part of its text. What is wrong with
-/// single files of a results folder is a [`StoreProblem`] instead: it is reported beside the figures and never
-/// stops them.
+/// Errors of this crate. What failed below is an error's source, not part of its text. What is wrong with
+/// single files of a results folder is a [`StoreProblem`] instead: it is reported beside the figures and
+/// never stops them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
