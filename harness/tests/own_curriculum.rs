@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
+mod support;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -17,18 +19,8 @@ use serde::de::DeserializeOwned;
 #[expect(dead_code, reason = "its `main` is the program's")]
 mod example;
 
-/// Cargo builds examples with the tests, into a folder beside theirs.
-fn program() -> PathBuf {
-    let test = std::env::current_exe().expect("a test has a path");
-    let profile = test.parent().and_then(|deps| deps.parent()).expect("tests lie in PROFILE/deps");
-    profile.join("examples").join("own_curriculum")
-}
-
-const NO_EXAMPLE: &str =
-    "`cargo test` builds examples; with --test alone, `cargo build --release --examples` first";
-
 fn run(args: &[&str]) -> Output {
-    Command::new(program()).args(args).output().expect(NO_EXAMPLE)
+    support::run_example("own_curriculum", args)
 }
 
 /// Goals in the pool of the toy task.
@@ -177,12 +169,12 @@ fn stopped_and_resumed_it_teaches_as_if_it_had_not_been() {
     assert!(toy(undisturbed.path(), &longer).status.success());
 
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut child = Command::new(program())
+    let mut child = Command::new(support::example("own_curriculum"))
         .args(toy_args(folder.path(), &longer))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
-        .expect(NO_EXAMPLE);
+        .expect("the example program, which cargo builds with the tests");
     let begun = Instant::now();
     while !run_folder(folder.path()).join("checkpoint.bin").exists() {
         assert!(begun.elapsed() < Duration::from_secs(60), "no checkpoint within a minute");
@@ -221,21 +213,9 @@ fn a_value_out_of_its_range_is_refused_by_name() {
     assert!(message.contains("curriculum.nearest.share") && message.contains("(0, 1]"), "{message}");
 }
 
-/// So that the page stays true when the example changes.
 #[test]
 fn the_page_that_walks_through_it_quotes_it() {
     let (page, example) =
         (include_str!("../docs/curricula.md"), include_str!("../examples/own_curriculum.rs"));
-    let (_, rest) = page.split_once("### The example, step by step").expect("the walk");
-    let (walk, _) = rest.split_once("\n### ").expect("the next section");
-    let quoted: Vec<&str> = walk
-        .split("```rust\n")
-        .skip(1)
-        .flat_map(|rest| rest.split("```").next().unwrap_or_default().lines())
-        .map(str::trim)
-        .collect();
-    assert!(quoted.len() > 15, "{quoted:?}");
-    for line in quoted {
-        assert!(example.contains(line), "the example has no line `{line}`");
-    }
+    support::assert_quotes(page, "### The example, step by step", example);
 }

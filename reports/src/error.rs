@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::store::problem::StoreProblem;
 
-/// Errors of this crate. What failed below is an error's source, and no part of its text. What is wrong with
+/// Errors of this crate. What failed below is an error's source, not part of its text. What is wrong with
 /// single files of a results folder is a [`StoreProblem`] instead: it is reported beside the figures and
 /// never stops them.
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,7 @@
 
 use super::{Finding, Source};
 
-pub(crate) const RULE: &str = "a comment is no wider than rustfmt's max_width, in characters";
+const RULE: &str = "a comment is no wider than rustfmt's max_width, in characters";
 
 /// `max_width` in the text of rustfmt's configuration.
 pub(crate) fn max_width(configuration: &str) -> Option<usize> {

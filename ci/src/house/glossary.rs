@@ -9,7 +9,7 @@ use super::{
 
 pub(crate) const FILE: &str = "harness/docs/glossary.md";
 
-pub(crate) const RULE: &str = "the glossary and the code name the same things";
+const RULE: &str = "the glossary and the code name the same things";
 
 /// The glossary: a Markdown page with tables of noun, meaning and place in the code.
 #[derive(Debug)]

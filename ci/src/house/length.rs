@@ -2,7 +2,7 @@
 
 use super::{Finding, Source};
 
-pub(crate) const RULE: &str = "a Rust file has at most 400 lines";
+const RULE: &str = "a Rust file has at most 400 lines";
 
 const MOST: usize = 400;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Finding, Source, glossary::Glossary};
 
-pub(crate) const RULE: &str = "a public noun is defined once, or the glossary explains both meanings";
+const RULE: &str = "a public noun is defined once, or the glossary explains both meanings";
 
 /// What a noun is in Rust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

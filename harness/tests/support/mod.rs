@@ -66,7 +66,9 @@ pub(crate) fn run_example(name: &str, args: &[&str]) -> Output {
 /// when the example changes.
 pub(crate) fn assert_quotes(page: &str, heading: &str, example: &str) {
     let (_, rest) = page.split_once(heading).expect("the walk through the example");
-    let (walk, _) = rest.split_once("\n#").expect("the next section");
+    // Attributes in the code begin with `#` as well: a section ends where one of its level begins.
+    let level = heading.split(' ').next().unwrap_or_default();
+    let walk = rest.split(&format!("\n{level} ")).next().unwrap_or_default();
     let quoted: Vec<&str> = walk
         .split("```rust\n")
         .skip(1)
