@@ -42,7 +42,7 @@ pub enum PolyakEvery {
 /// ```
 /// use agents::{Auto, Preset, StudentConfig};
 ///
-/// let env = envs::make("Point", &envs::Options::default()).unwrap();
+/// let env = envs::make("Point", &envs::EnvOptions::default()).unwrap();
 /// let config = StudentConfig::preset(Preset::Official).resolve(env.spec()).unwrap();
 /// assert_eq!((config.batch, config.layers), (Auto::Value(256), Auto::Value(3)));
 ///

@@ -13,7 +13,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! agents::prepare_thread();
-//! let mut env = envs::make("Point", &envs::Options::default())?;
+//! let mut env = envs::make("Point", &envs::EnvOptions::default())?;
 //! let spec = env.spec().clone();
 //! let config = StudentConfig { width: 16, updates_per_cycle: 2, ..StudentConfig::default() };
 //! let mut student = agents::make(&config, &spec, 0)?;

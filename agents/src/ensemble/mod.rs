@@ -47,7 +47,7 @@ pub struct EnsembleConfig {
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// agents::prepare_thread();
-/// let env = envs::make("Point", &envs::Options::default())?;
+/// let env = envs::make("Point", &envs::EnvOptions::default())?;
 /// let spec = env.spec();
 /// let student = StudentConfig { width: 16, ..StudentConfig::default() };
 /// let config = EnsembleConfig { members: 3, batch: 8, lr: 1e-3, polyak: 0.95 };

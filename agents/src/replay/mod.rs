@@ -38,7 +38,7 @@ pub enum Source {
 /// use envs::rng::{Purpose, stream};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let env = envs::make("Point", &envs::Options::default())?;
+/// let env = envs::make("Point", &envs::EnvOptions::default())?;
 /// let spec = env.spec();
 /// let zeros = |rows: usize, width: usize| {
 ///     let mut matrix = Rows::new(width);
