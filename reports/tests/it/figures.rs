@@ -90,8 +90,10 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
             "one evaluation",
             vec![Curve {
                 key: key("E", "nova", "default"),
-                points: vec![Point { n: 1, mean: 0.05, hours: Some(0.0), ..Point::default(), interpolated: false, failed: 0 }],
+                points: vec![Point { n: 1, mean: 0.05, hours: Some(0.0), ..Point::default() }],
                 episodes: (20, 20),
+                interpolated: false,
+                failed: 0,
             }],
         ),
         ("long names", long_curricula.map(|id| curve(LONG, &id, LONG, 7, |share| share)).collect()),
