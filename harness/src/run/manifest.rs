@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use reports::schema::{Manifest, RunKey, SCHEMA};
-use reports::store::digest;
+use reports::schema::{Manifest, SCHEMA};
+use reports::store::checksums::manifest_hash;
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;
@@ -14,17 +14,11 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
     let config = serde_json::to_value(&run.config).expect("a config is plain data");
     Manifest {
         schema: SCHEMA,
-        hash: hash(&run.key, &config),
+        hash: manifest_hash(&run.key, &config),
         run: run.key.clone(),
         config,
         versions: versions(),
     }
-}
-
-/// SHA-256, in hex, of schema, run and config. Versions are not part of it: they are recorded, not compared.
-pub fn hash(key: &RunKey, config: &Value) -> String {
-    let text = json!({ "schema": SCHEMA, "run": key, "config": config }).to_string();
-    digest::sha256(text.as_bytes())
 }
 
 /// Reads the typed config back.
@@ -35,7 +29,7 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, String> {
     if manifest.schema != SCHEMA {
         return Err(format!("has schema {}, this program writes schema {SCHEMA}", manifest.schema));
     }
-    if hash(&manifest.run, &manifest.config) != manifest.hash {
+    if manifest_hash(&manifest.run, &manifest.config) != manifest.hash {
         return Err("its hash does not fit its config: it was altered after it was written".into());
     }
     serde_path_to_error::deserialize(&manifest.config)

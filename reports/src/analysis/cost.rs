@@ -1,17 +1,20 @@
 //! What training took: steps, gradient steps and time, and whose time it was.
 
+use crate::analysis::complete;
 use crate::analysis::group::Group;
 use crate::schema::Timing;
 use crate::stats;
+use crate::store::Run;
 
-/// What the runs of a group took up to their last evaluation. Times are means over seeds, in hours.
+/// What the finished runs of a group took up to their last evaluation; where none has finished, all of them.
+/// Times are means over seeds, in hours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
     /// Fewest and most training steps at a seed's last evaluation.
     pub steps: (u64, u64),
     /// Mean over seeds of the student's gradient steps; those of a teacher's own networks are not counted.
     pub gradient_steps: f64,
-    /// Wall-clock time; `None` without timings.
+    /// Wall-clock time; `None` where the last evaluation of a seed has no timing.
     pub wall_hours: Option<f64>,
     /// Evaluations' part of it.
     pub evaluation_hours: Option<f64>,
@@ -25,10 +28,11 @@ pub struct Cost {
 impl Cost {
     /// The costs of a group; `None` without evaluations.
     pub fn of(group: &Group<'_>) -> Option<Self> {
-        let last: Vec<_> = group.runs.iter().filter_map(|run| run.records.last()).collect();
+        let last: Vec<_> = group.runs.iter().filter_map(|run| complete::recorded(run).last()).collect();
         let steps = || last.iter().map(|record| record.step);
         let gradient_steps: Vec<f64> = last.iter().map(|record| record.gradient_steps as f64).collect();
-        let timings: Vec<&Timing> = group.runs.iter().filter_map(|run| run.timings.last()).collect();
+        let timings: Option<Vec<&Timing>> = group.runs.iter().map(|run| last_timing(run)).collect();
+        let timings = timings.unwrap_or_default();
         Some(Self {
             steps: (steps().min()?, steps().max()?),
             gradient_steps: stats::mean(&gradient_steps)?,
@@ -44,6 +48,12 @@ impl Cost {
         let wall = self.wall_hours.filter(|&wall| wall > 0.0)?;
         Some(hours? / wall)
     }
+}
+
+/// The timing of a run's last evaluation; `None` where that is lost, and an earlier one would tell too little.
+pub fn last_timing(run: &Run) -> Option<&Timing> {
+    let last = complete::recorded(run).last()?;
+    run.timings.iter().find(|timing| timing.eval_index == last.eval_index)
 }
 
 /// Mean of some seconds, in hours; `None` without timings, or where one of them does not tell.

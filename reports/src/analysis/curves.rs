@@ -1,9 +1,13 @@
 //! Learning curves: mean and standard deviation over seeds at every evaluated step.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::analysis::complete;
 use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::scores;
+use crate::schema::{Record, Timing};
 use crate::stats::{self, Ddof};
+use crate::store::Run;
 
 /// Standard deviations over seeds divide by n - 1, in figures and tables: seeds are a sample of all seeds.
 pub const DDOF: Ddof = Ddof::Sample;
@@ -13,7 +17,7 @@ pub const DDOF: Ddof = Ddof::Sample;
 pub struct Point {
     /// Training steps taken.
     pub step: u64,
-    /// Seeds that were evaluated at this step.
+    /// Seeds that were evaluated here, or before and after it.
     pub n: usize,
     /// Mean success rate over those seeds, in [0, 1].
     pub mean: f64,
@@ -21,8 +25,8 @@ pub struct Point {
     pub std: Option<f64>,
     /// Mean over those seeds of the student's gradient steps.
     pub gradient_steps: f64,
-    /// Mean over those seeds of the hours of wall-clock time, evaluations included; `None` where one has no
-    /// timing.
+    /// Mean over those seeds, but the ones that failed before, of the hours of wall-clock time, evaluations
+    /// included; `None` where one has no timing.
     pub hours: Option<f64>,
 }
 
@@ -48,55 +52,39 @@ impl Point {
     }
 }
 
-/// What the seeds of a group have at one step.
-#[derive(Default)]
-struct Step {
-    rates: Vec<f64>,
-    gradient_steps: Vec<f64>,
-    hours: Vec<f64>,
-}
-
 /// The learning curve of one group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Which group.
     pub key: GroupKey,
-    /// One point per step at which any seed was evaluated, by rising step; never empty.
+    /// One point per step at which most seeds were evaluated, by rising step; never empty.
     pub points: Vec<Point>,
     /// Fewest and most episodes in an evaluation.
     pub episodes: (u64, u64),
+    /// Whether some seeds were evaluated at other steps: their rates here lie on the line between two
+    /// evaluations.
+    pub interpolated: bool,
+    /// Seeds that failed, and count 0 from their failure on.
+    pub failed: usize,
 }
 
 impl Curve {
-    /// The curve of a group. A seed without an evaluation at some step is left out there, which lowers that
-    /// point's `n`.
+    /// The curve of a group. A seed without evaluations as far as some step is left out there, which lowers
+    /// that point's `n`.
     pub fn of(group: &Group<'_>) -> Self {
-        let mut by_step: BTreeMap<u64, Step> = BTreeMap::new();
-        let mut episodes = (u64::MAX, 0);
-        for run in &group.runs {
-            // Looked up, never iterated over.
-            let seconds: HashMap<u64, f64> =
-                run.timings.iter().map(|timing| (timing.eval_index, timing.wall_s)).collect();
-            for record in &run.records {
-                let step = by_step.entry(record.step).or_default();
-                step.rates.push(record.success_rate);
-                step.gradient_steps.push(record.gradient_steps as f64);
-                step.hours.extend(seconds.get(&record.eval_index).map(|seconds| seconds / 3600.0));
-                episodes = (episodes.0.min(record.episodes), episodes.1.max(record.episodes));
-            }
+        let steps = common_steps(&group.runs);
+        let records = || group.runs.iter().flat_map(|run| &run.records);
+        let known: BTreeSet<u64> = steps.iter().copied().collect();
+        Self {
+            key: group.key.clone(),
+            points: steps.into_iter().filter_map(|step| point(&group.runs, step)).collect(),
+            episodes: (
+                records().map(|record| record.episodes).min().unwrap_or(u64::MAX),
+                records().map(|record| record.episodes).max().unwrap_or(0),
+            ),
+            interpolated: records().any(|record| !known.contains(&record.step)),
+            failed: group.failed(),
         }
-        let points = by_step.into_iter().filter_map(|(step, seeds)| {
-            let n = seeds.rates.len();
-            Some(Point {
-                step,
-                n,
-                mean: stats::mean(&seeds.rates)?,
-                std: stats::std_dev(&seeds.rates, DDOF),
-                gradient_steps: stats::mean(&seeds.gradient_steps)?,
-                hours: stats::mean(&seeds.hours).filter(|_| seeds.hours.len() == n),
-            })
-        });
-        Self { key: group.key.clone(), points: points.collect(), episodes }
     }
 
     /// Fewest and most seeds behind a point.
@@ -104,4 +92,60 @@ impl Curve {
         let n = || self.points.iter().map(|point| point.n);
         (n().min().unwrap_or(0), n().max().unwrap_or(0))
     }
+}
+
+/// The steps that a curve of `runs` has points at: those of the run that most others agree with as far as
+/// they go (of several such runs the one that goes on for longest), then those of the run that goes on for
+/// longest beyond. Runs with other steps would else take turns in the mean, which would then jump to and fro.
+fn common_steps(runs: &[&Run]) -> Vec<u64> {
+    let mut distinct: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
+    for run in runs {
+        *distinct.entry(run.records.iter().map(|record| record.step).collect()).or_default() += 1;
+    }
+    let agreeing = |steps: &[u64]| -> usize {
+        distinct.iter().filter(|(other, _)| steps.starts_with(other)).map(|(_, count)| count).sum()
+    };
+    let rank = |steps: &&Vec<u64>| (agreeing(steps), steps.last().copied(), steps.len());
+    let mut common = distinct.keys().max_by_key(rank).cloned().unwrap_or_default();
+    let end = common.last().copied();
+    let longest = distinct.keys().max_by_key(|steps| (steps.last().copied(), steps.len()));
+    common.extend(longest.into_iter().flatten().filter(|step| Some(**step) > end));
+    common
+}
+
+/// The point of a curve of `runs` at `step`; `None` where none of them is there.
+fn point(runs: &[&Run], step: u64) -> Option<Point> {
+    let (mut rates, mut gradient_steps, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    for run in runs {
+        let Some(rate) = scores::rate_at(&run.records, step) else { continue };
+        rates.push(rate);
+        let taken = run.records.iter().map(|record| (record.step, record.gradient_steps as f64));
+        gradient_steps.extend(scores::value_at(taken, step));
+        if complete::recorded(run).last().is_some_and(|last| step <= last.step) {
+            times.push(hours(run, step));
+        }
+    }
+    let times: Option<Vec<f64>> = times.into_iter().collect();
+    Some(Point {
+        step,
+        n: rates.len(),
+        mean: stats::mean(&rates)?,
+        std: stats::std_dev(&rates, DDOF),
+        gradient_steps: stats::mean(&gradient_steps)?,
+        hours: times.and_then(|times| stats::mean(&times)),
+    })
+}
+
+/// Hours of wall-clock time until `step`; `None` where the evaluation there, or those before and after it,
+/// have no timing.
+fn hours(run: &Run, step: u64) -> Option<f64> {
+    let timed = |record: &Record| {
+        let is_it = |timing: &&Timing| timing.eval_index == record.eval_index;
+        let timing = run.timings.iter().find(is_it)?;
+        Some((record.step, timing.wall_s / 3600.0))
+    };
+    let after = run.records.partition_point(|record| record.step < step);
+    let next = run.records.get(after)?;
+    let before = &run.records[if next.step == step { after } else { after.checked_sub(1)? }];
+    scores::value_at([timed(before)?, timed(next)?].into_iter(), step)
 }

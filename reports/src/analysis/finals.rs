@@ -1,5 +1,6 @@
 //! The final scores of every group: what tables, aggregates and comparisons are made of.
 
+use crate::analysis::complete;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::scores;
 
@@ -10,6 +11,8 @@ pub struct Finals {
     pub key: GroupKey,
     /// (seed, [`scores::final_score`]), by rising seed.
     pub by_seed: Vec<(u64, f64)>,
+    /// Seeds whose run failed, and counts 0 from its failure on.
+    pub failed: Vec<u64>,
 }
 
 impl Finals {
@@ -17,7 +20,12 @@ impl Finals {
     pub fn of(group: &Group<'_>, window: usize) -> Self {
         let score =
             |run: &&crate::store::Run| Some((run.key().seed, scores::final_score(&run.records, window)?));
-        Self { key: group.key.clone(), by_seed: group.runs.iter().filter_map(score).collect() }
+        let failed = group.runs.iter().filter(|run| complete::is_completed(run)).map(|run| run.key().seed);
+        Self {
+            key: group.key.clone(),
+            by_seed: group.runs.iter().filter_map(score).collect(),
+            failed: failed.collect(),
+        }
     }
 
     /// The scores alone. Shape: one number in [0, 1] per seed.
@@ -43,6 +51,7 @@ mod tests {
         let finals = |by_seed: &[(u64, f64)]| Finals {
             key: GroupKey::new(&Catalogue::default(), "E", "c", "v"),
             by_seed: by_seed.to_vec(),
+            failed: Vec::new(),
         };
         let (a, b) = (finals(&[(0, 0.1), (2, 0.3), (5, 0.6)]), finals(&[(1, 0.9), (2, 0.8), (5, 0.7)]));
         assert_eq!(a.pairs(&b), [(0.3, 0.8), (0.6, 0.7)]);

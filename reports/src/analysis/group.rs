@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use crate::analysis::catalogue::{Catalogue, MethodInfo, natural_order};
+use crate::analysis::complete;
 use crate::schema::{Record, RunKey};
 use crate::store::{Run, Store};
 
@@ -122,9 +123,16 @@ pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
 
 /// All groups with at least one evaluation, in order.
 pub fn groups<'a>(store: &'a Store, catalogue: &Catalogue) -> Vec<Group<'a>> {
+    counted(store, &[], catalogue)
+}
+
+/// As [`groups`], where the runs of `completed` ([`complete::failed_as_zero`]) take the place of those of the
+/// store with their keys.
+pub fn counted<'a>(store: &'a Store, completed: &'a [Run], catalogue: &Catalogue) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
+    let as_it_counts = |run: &'a Run| completed.iter().find(|other| other.key() == run.key()).unwrap_or(run);
     // The store's runs come by key, so that those of one group follow each other, by seed.
-    for run in store.runs().iter().filter(|run| !run.records.is_empty()) {
+    for run in store.runs().iter().map(as_it_counts).filter(|run| !run.records.is_empty()) {
         let RunKey { environment, curriculum, variant, seed: _ } = run.key();
         let key = GroupKey::new(catalogue, environment, curriculum, variant);
         match groups.last_mut() {
@@ -134,6 +142,19 @@ pub fn groups<'a>(store: &'a Store, catalogue: &Catalogue) -> Vec<Group<'a>> {
     }
     groups.sort_by(|a, b| a.key.cmp(&b.key));
     groups
+}
+
+impl<'a> Group<'a> {
+    /// The group with those of its runs that `keep` accepts.
+    pub fn filtered(&self, keep: impl Fn(&Run) -> bool) -> Self {
+        let kept = |run: &&'a Run| keep(run);
+        Self { key: self.key.clone(), runs: self.runs.iter().copied().filter(kept).collect() }
+    }
+
+    /// Runs of it that failed and count 0 from their failure on.
+    pub fn failed(&self) -> usize {
+        self.runs.iter().filter(|run| complete::is_completed(run)).count()
+    }
 }
 
 #[cfg(test)]

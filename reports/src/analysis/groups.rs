@@ -5,7 +5,7 @@ use crate::analysis::curves::Curve;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::{self, Group, GroupKey};
 use crate::analysis::options::ReportOptions;
-use crate::store::Store;
+use crate::store::{Run, Store};
 
 /// Which groups there are, and which of them stand for their method. Everything else borrows from it.
 #[derive(Debug)]
@@ -23,9 +23,10 @@ pub struct Groups<'a> {
 }
 
 impl<'a> Groups<'a> {
-    /// The groups of all runs.
-    pub fn of(store: &'a Store, options: &ReportOptions) -> Self {
-        let all = group::groups(store, &options.catalogue);
+    /// The groups of all runs; those of `completed`, which failed, as they count
+    /// ([`complete::failed_as_zero`]).
+    pub fn of(store: &'a Store, completed: &'a [Run], options: &ReportOptions) -> Self {
+        let all = group::counted(store, completed, &options.catalogue);
         let keys: Vec<&GroupKey> = all.iter().map(|group| &group.key).collect();
         let compared = group::compared(&keys);
         let chosen: Vec<&Group<'_>> =
@@ -64,6 +65,11 @@ impl<'a> Groups<'a> {
     pub fn left_out(&self) -> usize {
         let count = |groups: &[&Group<'_>]| groups.iter().map(|group| group.runs.len()).sum::<usize>();
         count(&self.compared_groups()) - count(&self.comparable.iter().collect::<Vec<_>>())
+    }
+
+    /// Runs that stand for their method, failed, and count 0 from their failure on.
+    pub fn failed(&self) -> usize {
+        self.comparable.iter().map(Group::failed).sum()
     }
 
     /// The learning curves of these.

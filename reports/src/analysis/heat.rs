@@ -36,26 +36,34 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// Counts the episodes of a group's runs; `end` is the number of training steps that thirds are thirds
-    /// of. `None` if no goal is a position in the plane.
+    /// Counts the episodes of a group's runs, each with its lines by rising step; `end` is the number of
+    /// training steps that thirds are thirds of. An episode belongs to the third in which it ended: a line
+    /// holds all episodes since the one before it, which are taken to be equally long. `None` if no goal is a
+    /// position in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         maze: &MazeInfo,
         end: u64,
-        lines: impl IntoIterator<Item = &'a Teaching>,
+        runs: impl IntoIterator<Item = &'a [Teaching]>,
     ) -> Option<Self> {
         let cells = maze.side() * maze.side();
         let empty = || HeatPhase { episodes: vec![0; cells], successes: vec![0; cells] };
         let mut phases = [empty(), empty(), empty()];
         let mut any = false;
-        for line in lines {
-            let phase = &mut phases[phase(line.step, end)];
-            for (goal, &success) in line.goals.iter().zip(&line.successes) {
-                let &[x, y] = goal.as_slice() else { continue };
-                let (row, column) = maze.cell_of([x, y]);
-                phase.episodes[row * maze.side() + column] += 1;
-                phase.successes[row * maze.side() + column] += u32::from(success);
-                any = true;
+        for lines in runs {
+            let mut before = 0;
+            for line in lines {
+                let length = line.step.saturating_sub(before) as f64 / line.goals.len().max(1) as f64;
+                for (index, (goal, &success)) in (1..).zip(line.goals.iter().zip(&line.successes)) {
+                    let &[x, y] = goal.as_slice() else { continue };
+                    let step = before + (length * f64::from(index)).round() as u64;
+                    let phase = &mut phases[phase(step, end)];
+                    let (row, column) = maze.cell_of([x, y]);
+                    phase.episodes[row * maze.side() + column] += 1;
+                    phase.successes[row * maze.side() + column] += u32::from(success);
+                    any = true;
+                }
+                before = line.step;
             }
         }
         any.then(|| Self { key: key.clone(), phases })
@@ -112,7 +120,7 @@ impl<'a> Heat<'a> {
                 let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();
                 let last =
                     group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max();
-                let lines = read.iter().flat_map(|(lines, _)| lines);
+                let lines = read.iter().map(|(lines, _)| lines.as_slice());
                 maps.extend(HeatMap::of(&group.key, maze, last.unwrap_or(0), lines));
                 heat.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
             }
@@ -124,7 +132,7 @@ impl<'a> Heat<'a> {
     }
 }
 
-/// The third of `end` steps that the episodes before `step` belong to.
+/// The third of `end` steps that an episode which ended at `step` belongs to.
 fn phase(step: u64, end: u64) -> usize {
     let third = u128::from(step.saturating_sub(1)) * 3 / u128::from(end.max(1));
     third.min(2) as usize
@@ -151,7 +159,7 @@ mod tests {
             successes: vec![true, true, false],
             ..Teaching::default()
         };
-        let heat = HeatMap::of(&key, &maze, 450, [&line]).unwrap();
+        let heat = HeatMap::of(&key, &maze, 450, [std::slice::from_ref(&line)]).unwrap();
         assert_eq!(heat.phases[0].shares(), [1.0 / 3.0, 2.0 / 3.0, 0.0, 0.0]);
         assert_eq!(
             (&heat.phases[0].episodes, &heat.phases[0].successes),
@@ -161,5 +169,27 @@ mod tests {
         assert_eq!(phase.rates(), [None, Some(1.0), None, Some(0.3)]);
         assert_eq!(heat.phases[2].shares(), [0.0; 4]);
         assert_eq!(HeatMap::of(&key, &maze, 450, []), None);
+    }
+
+    #[test]
+    fn episodes_of_one_line_belong_to_the_third_in_which_they_ended() {
+        let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
+        let key = GroupKey::new(&Catalogue::default(), "M", "nova", "default");
+        let line = |eval_index: u64, step: u64, count: usize| Teaching {
+            eval_index,
+            step,
+            goals: vec![vec![-0.5, -0.5]; count],
+            successes: vec![true; count],
+            ..Teaching::default()
+        };
+        let counts = |runs: &[&[Teaching]]| {
+            let heat = HeatMap::of(&key, &maze, 90, runs.iter().copied()).unwrap();
+            heat.phases.map(|phase| phase.episodes[0])
+        };
+        // One evaluation at the end of training: nine episodes of 10 steps.
+        assert_eq!(counts(&[&[line(1, 90, 9)]]), [3, 3, 3]);
+        // The last of the first line ended at step 50; the second line begins there. Runs stand apart.
+        let (first, second) = (line(1, 50, 5), line(2, 90, 4));
+        assert_eq!(counts(&[&[first, second], &[line(1, 30, 3)]]), [6, 3, 3]);
     }
 }

@@ -1,5 +1,5 @@
-//! Probability that the first method of a report scores above each other one, over the environments that both
-//! have.
+//! Probability that the first method of a report scores above each other one, over the environments and seeds
+//! that both have.
 
 use crate::analysis::aggregate::finals_of;
 use crate::analysis::finals::Finals;
@@ -40,10 +40,15 @@ fn improvement<'a>(
     other: &'a GroupKey,
     resampling: Resampling,
 ) -> Option<Improvement<'a>> {
-    let (ours, theirs): (Vec<_>, Vec<_>) = finals
+    let (ours, theirs): (Vec<Vec<f64>>, Vec<Vec<f64>>) = finals
         .iter()
         .filter(|finals| finals.key.cmp_method(method).is_eq())
-        .filter_map(|ours| Some((ours.scores(), finals_of(finals, &ours.key.environment, other)?.scores())))
+        .filter_map(|ours| {
+            let theirs = finals_of(finals, &ours.key.environment, other)?;
+            let pairs = ours.pairs(theirs);
+            // Without a seed in common all runs count: within an environment that favours neither.
+            Some(if pairs.is_empty() { (ours.scores(), theirs.scores()) } else { pairs.into_iter().unzip() })
+        })
         .unzip();
     let environments = ours.len();
     let strata: Vec<&[f64]> = ours.iter().chain(&theirs).map(Vec::as_slice).collect();
@@ -74,14 +79,15 @@ mod tests {
         let finals = |environment: &str, curriculum: &str, scores: &[f64]| Finals {
             key: GroupKey::new(&Catalogue::default(), environment, curriculum, "default"),
             by_seed: (0..).zip(scores.iter().copied()).collect(),
+            failed: Vec::new(),
         };
         // A: of four pairs three wins and a tie; B: one win of four.
         let all = [
             finals("A", "first", &[0.5, 0.9]),
-            finals("A", "second", &[0.1, 0.5]),
+            // What one of the two lacks does not count: a third seed here, or an environment.
+            finals("A", "second", &[0.1, 0.5, 0.9]),
             finals("B", "first", &[0.2, 0.4]),
             finals("B", "second", &[0.3, 0.6]),
-            // What one of the two lacks does not count.
             finals("C", "first", &[1.0, 1.0]),
             finals("D", "second", &[]),
         ];

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::catalogue::Catalogue;
+use crate::analysis::complete;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
-use crate::schema::Record;
+use crate::schema::{Outcome, Record};
 use crate::store::Run;
 
 /// Everything that a report lacks.
@@ -49,6 +50,13 @@ fn sums(analysis: &Analysis<'_>) -> Vec<String> {
         k => lacking.push(format!(
             "comparisons, ledger and sums over environments rest on finished runs of the same evaluations; left \
              out of all runs of methods: {k}"
+        )),
+    }
+    match analysis.groups.failed() {
+        0 => {}
+        k => lacking.push(format!(
+            "comparisons, ledger and sums over environments count failed runs as 0 from their failure on; runs of \
+             methods that failed: {k}"
         )),
     }
     lacking
@@ -117,9 +125,14 @@ fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
                 let seeds = if lacking.len() == 1 { "seed" } else { "seeds" };
                 missing.push(format!("{id}: {name} lacks {seeds} {}", lacking.join(", ")));
             }
-            let unfinished = group.runs.iter().filter(|run| !run.is_finished()).count();
-            if unfinished > 0 {
-                missing.push(format!("{id}: {name}: {unfinished} of {} runs not finished", group.runs.len()));
+            let count = |of_it: fn(&Run) -> bool| group.runs.iter().filter(|run| of_it(run)).count();
+            let failed = |run: &Run| matches!(run.outcome, Some(Outcome::Failed { .. }));
+            for (count, what) in
+                [(count(|run| run.outcome.is_none()), "not finished"), (count(failed), "failed")]
+            {
+                if count > 0 {
+                    missing.push(format!("{id}: {name}: {count} of {} runs {what}", group.runs.len()));
+                }
             }
         }
     }
@@ -139,7 +152,7 @@ fn picks(all: &[Group<'_>]) -> Option<String> {
 
 fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Option<String> {
     let runs: Vec<&Run> = all.iter().flat_map(|group| group.runs.iter().copied()).collect();
-    let silent = runs.iter().filter(|run| !run.records.iter().all(&tells)).count();
+    let silent = runs.iter().filter(|run| !complete::recorded(run).iter().all(&tells)).count();
     (silent > 0).then(|| {
         format!("{what}: {silent} of {} runs have no record of it (older than the field)", runs.len())
     })

@@ -3,47 +3,74 @@
 use crate::schema::Record;
 use crate::stats;
 
-/// The running score after every evaluation: the mean success rate of the last `window` evaluations up to and
-/// including it, or of all there are while they are fewer. Shape: one number in [0, 1] per record.
-///
-/// Averaging evens out the noise of evaluations of a few episodes each. Scores are rounded to 12 digits, so
-/// that equal shares of successes are equal numbers and count as ties.
-pub fn running_scores(records: &[Record], window: usize) -> Vec<f64> {
-    let score = |end: usize| {
-        let recent = &records[(end + 1).saturating_sub(window.max(1))..=end];
-        let mean = recent.iter().map(|record| record.success_rate).sum::<f64>() / recent.len() as f64;
-        (mean * 1e12).round() / 1e12
-    };
-    (0..records.len()).map(score).collect()
+/// The last `window` evaluations of a student that has been trained, or all there are while they are fewer.
+/// Evaluation 0, of the untrained student, is never among them.
+fn last(records: &[Record], window: usize) -> &[Record] {
+    let trained = &records[records.partition_point(|record| record.eval_index == 0)..];
+    &trained[trained.len().saturating_sub(window.max(1))..]
 }
 
-/// The running score after the last evaluation; `None` without evaluations.
+/// Mean of success rates; `None` without one. Rounded to 12 digits, so that equal shares of successes are
+/// equal numbers and count as ties.
+fn mean_rate(rates: impl Iterator<Item = f64>) -> Option<f64> {
+    stats::mean(&rates.collect::<Vec<_>>()).map(|mean| (mean * 1e12).round() / 1e12)
+}
+
+/// The mean success rate of the last `window` evaluations, which evens out the noise of evaluations of a few
+/// episodes each; of all there are where they are fewer. Evaluation 0, of the untrained student, does not
+/// count; `None` where there is no other.
 pub fn final_score(records: &[Record], window: usize) -> Option<f64> {
-    running_scores(records, window).last().copied()
+    mean_rate(last(records, window).iter().map(|record| record.success_rate))
 }
 
 /// The same as [`final_score`] of success at any step of an episode; `None` where one of these evaluations
 /// has no record of it.
 pub fn final_any_score(records: &[Record], window: usize) -> Option<f64> {
-    let recent = &records[records.len().saturating_sub(window.max(1))..];
-    let rates: Option<Vec<f64>> = recent.iter().map(|record| record.any_success_rate).collect();
-    stats::mean(&rates?).map(|mean| (mean * 1e12).round() / 1e12)
+    let rates: Option<Vec<f64>> =
+        last(records, window).iter().map(|record| record.any_success_rate).collect();
+    mean_rate(rates?.into_iter())
 }
 
 /// (successes, episodes) of the last `window` evaluations together: what [`final_score`] rests on.
 pub fn final_counts(records: &[Record], window: usize) -> (u64, u64) {
-    let recent = &records[records.len().saturating_sub(window.max(1))..];
+    let recent = last(records, window);
     let successes = |record: &Record| (record.success_rate * record.episodes as f64).round() as u64;
     (recent.iter().map(successes).sum(), recent.iter().map(|record| record.episodes).sum())
 }
 
-/// The first step at which the running score of `window` evaluations is at least `threshold`; `None` if it
-/// never is (censored). The scores of fewer evaluations at the start do not count: a single lucky one would
-/// do.
+/// The step of the first evaluation with a success rate of at least `threshold`, from which on the mean of
+/// `window` evaluations is no lower either: a single lucky evaluation of a few episodes does not count, and
+/// none is dated later for the sake of smoothing. `None` if there is none (censored).
 pub fn steps_to(records: &[Record], threshold: f64, window: usize) -> Option<u64> {
-    let scores = running_scores(records, window);
-    let full = records.iter().zip(scores).skip(window.saturating_sub(1));
-    full.into_iter().find(|(_, score)| *score >= threshold).map(|(record, _)| record.step)
+    let window = window.max(1);
+    let reaches = |next: &&[Record]| {
+        next[0].success_rate >= threshold
+            && mean_rate(next.iter().map(|record| record.success_rate)).is_some_and(|mean| mean >= threshold)
+    };
+    records.windows(window).find(reaches).map(|next| next[0].step)
+}
+
+/// The success rate at `step` training steps, between two evaluations on the line through both; `None` before
+/// the first and after the last one.
+pub fn rate_at(records: &[Record], step: u64) -> Option<f64> {
+    value_at(records.iter().map(|record| (record.step, record.success_rate)), step)
+}
+
+/// The value at `step` on the line through `points` of rising steps; `None` before the first and after the
+/// last one.
+pub fn value_at(points: impl Iterator<Item = (u64, f64)>, step: u64) -> Option<f64> {
+    let mut before = None;
+    for (at, value) in points {
+        if at == step {
+            return Some(value);
+        }
+        if at > step {
+            let (from, start): (u64, f64) = before?;
+            return Some(start + (value - start) * ((step - from) as f64 / (at - from) as f64));
+        }
+        before = Some((at, value));
+    }
+    None
 }
 
 /// [`area`] under the success rate of an evaluation over its training steps. `None` for fewer than two
@@ -96,13 +123,16 @@ mod tests {
     #[test]
     fn scores_by_hand() {
         let records = records(&[(0, 0.0), (10, 0.5), (20, 1.0), (30, 0.75)]);
-        assert_eq!(running_scores(&records, 2), [0.0, 0.25, 0.75, 0.875]);
         assert_eq!(final_score(&records, 2), Some(0.875));
-        assert_eq!(final_score(&records, 100), Some(0.5625));
+        // The untrained student's does not count, however few others there are.
+        assert_eq!(final_score(&records, 100), Some(0.75));
+        assert_eq!(final_score(&records[..2], 5), Some(0.5));
+        assert_eq!(final_score(&records[..1], 5), None);
         assert_eq!(final_score(&[], 2), None);
         // 20 episodes each: 20 + 15 successes.
         assert_eq!(final_counts(&records, 2), (35, 40));
-        assert_eq!(final_counts(&records, 100), (45, 80));
+        assert_eq!(final_counts(&records, 100), (45, 60));
+        assert_eq!(final_counts(&records[..1], 100), (0, 0));
         assert_eq!(final_counts(&[], 2), (0, 0));
     }
 
@@ -114,7 +144,9 @@ mod tests {
             record.any_success_rate = Some(rate);
         }
         assert_eq!(final_any_score(&records, 2), Some(0.875));
-        assert_eq!(final_any_score(&records, 3), None, "the first of three has no record of it");
+        assert_eq!(final_any_score(&records, 3), Some(0.875), "the untrained student's does not count");
+        records[1].any_success_rate = None;
+        assert_eq!(final_any_score(&records, 2), None, "one of them has no record of it");
         assert_eq!(final_any_score(&[], 2), None);
     }
 
@@ -130,18 +162,28 @@ mod tests {
     fn first_step_above_a_threshold_by_hand() {
         let records = records(&[(0, 0.0), (10, 0.5), (20, 1.0), (30, 0.75)]);
         assert_eq!(steps_to(&records, 0.5, 1), Some(10));
-        assert_eq!(steps_to(&records, 0.5, 2), Some(20));
-        assert_eq!(steps_to(&records, 0.9, 2), None);
+        // The mean over two evaluations is 0.75 by then; looking back it would be 0.25.
+        assert_eq!(steps_to(&records, 0.5, 2), Some(10));
+        assert_eq!(steps_to(&records, 0.9, 1), Some(20));
+        assert_eq!(steps_to(&records, 0.9, 2), None, "0.875 over two");
     }
 
     #[test]
-    fn a_partial_window_reaches_nothing() {
+    fn a_lucky_evaluation_reaches_nothing() {
         let records = records(&[(0, 1.0), (10, 0.0), (20, 0.5), (30, 0.5)]);
-        // The first evaluation alone has 1, the first two have 0.5; the first three 0.5 in the mean.
         assert_eq!(steps_to(&records, 0.5, 1), Some(0));
-        assert_eq!(steps_to(&records, 0.5, 2), Some(10));
-        assert_eq!(steps_to(&records, 0.5, 3), Some(20));
-        assert_eq!(steps_to(&records, 0.5, 5), None);
+        assert_eq!(steps_to(&records, 0.6, 2), None);
+        // Of two: 1 and 0 have 0.5 in the mean.
+        assert_eq!(steps_to(&records, 0.5, 2), Some(0));
+        assert_eq!(steps_to(&records[1..], 0.5, 2), Some(20));
+        assert_eq!(steps_to(&records[1..], 0.5, 3), None, "too few evaluations follow");
+    }
+
+    #[test]
+    fn rates_between_evaluations_lie_on_a_line() {
+        let records = records(&[(10, 0.25), (20, 0.75), (40, 0.5)]);
+        let rates = [9, 10, 15, 20, 30, 40, 41].map(|step| rate_at(&records, step));
+        assert_eq!(rates, [None, Some(0.25), Some(0.5), Some(0.75), Some(0.625), Some(0.5), None]);
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub struct Analysis<'a> {
 impl<'a> Analysis<'a> {
     /// The analysis of the results folder `results`, which `store` holds and `groups` are of.
     pub fn of(results: &Path, store: &'a Store, groups: &'a Groups<'a>, options: &'a ReportOptions) -> Self {
-        let ReportOptions { window, resampling, ref catalogue } = *options;
+        let ReportOptions { window, resampling, ref catalogue, .. } = *options;
         let summary = |group: &Group<'_>| GroupSummary::of(group, window, resampling);
         let mut picks: Vec<_> = groups.all.iter().map(PickSummary::of).collect();
         if !picks.iter().any(PickSummary::tells) {
@@ -88,6 +88,12 @@ impl<'a> Analysis<'a> {
 pub struct Across<'a> {
     /// These environments, by id.
     pub environments: Vec<&'a str>,
+    /// Which seeds of them count, in words ([`Shared::said`]).
+    pub seeds: String,
+    /// Fewest runs of a method in one of them.
+    pub fewest_runs: usize,
+    /// Runs of all methods that count although they failed.
+    pub failed: usize,
     /// Methods that lack too many environments.
     pub left_out: Vec<&'a GroupKey>,
     /// Sums of final scores.
@@ -106,16 +112,16 @@ impl<'a> Across<'a> {
         if shared.environments.len() < FEWEST_SHARED {
             return Self::default();
         }
-        let ReportOptions { window, resampling, .. } = *options;
-        let is_kept = |group: &&Group<'_>| {
-            shared.methods().iter().any(|(method, _)| method.cmp_method(&group.key).is_eq())
-        };
-        let kept: Vec<_> = groups.comparable.iter().filter(is_kept).collect();
+        let resampling = options.resampling;
+        let groups_of_methods: Vec<&Group<'_>> = groups.comparable.iter().collect();
         Self {
+            seeds: shared.said(),
+            fewest_runs: shared.fewest_runs(),
+            failed: shared.failed(),
             aggregates: shared.aggregates(resampling),
             profiles: shared.profiles(resampling),
             improvements: improvement::improvements(&groups.finals.iter().collect::<Vec<_>>(), resampling),
-            efficiency: efficiency::curves(&kept, &shared.environments, window, resampling),
+            efficiency: efficiency::curves(&groups_of_methods, &shared, resampling),
             environments: shared.environments,
             left_out: shared.left_out,
         }

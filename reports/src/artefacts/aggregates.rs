@@ -16,15 +16,25 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     Sheet::of(caption(analysis), &across.aggregates, &columns(across.environments.len()))
 }
 
-fn columns<'a>(environments: usize) -> [Column<'a, Aggregate<'a>>; 11] {
+fn columns<'a>(environments: usize) -> [Column<'a, Aggregate<'a>>; 12] {
     [
         columns::curriculum(|row: &Aggregate<'_>| row.method),
         columns::variant(|row: &Aggregate<'_>| row.method),
         Column::count("environments", "environments that all methods of the file have", move |_| {
             environments as u64
         }),
-        Column::count("runs", "runs in them", |row: &Aggregate<'_>| row.runs as u64)
-            .shown("Runs", |row| row.runs.to_string()),
+        Column::count("runs", "runs in them of the seeds that all methods have", |row: &Aggregate<'_>| {
+            row.runs as u64
+        })
+        .shown("Runs", |row| match row.failed {
+            0 => row.runs.to_string(),
+            failed => format!("{} ({failed} failed)", row.runs),
+        }),
+        Column::count(
+            "runs_failed",
+            "those of them that failed, and count 0 from their failure on",
+            |row: &Aggregate<'_>| row.failed as u64,
+        ),
         Column::real(
             "mean",
             "mean over environments of the mean final success over seeds",
@@ -58,16 +68,27 @@ fn columns<'a>(environments: usize) -> [Column<'a, Aggregate<'a>>; 11] {
     ]
 }
 
+/// ` 2 runs failed: they count 0 from their failure on.`
+fn failed_in_words(failed: usize) -> String {
+    match failed {
+        0 => String::new(),
+        1 => " 1 run failed: it counts 0 from its failure on.".to_owned(),
+        k => format!(" {k} runs failed: they count 0 from their failure on."),
+    }
+}
+
 fn caption(analysis: &Analysis<'_>) -> String {
     let across = &analysis.across;
     let left_out: Vec<String> = across.left_out.iter().copied().map(GroupKey::name).collect();
     format!(
-        "Final success of finished runs over the {} environments in which every method here has results: {}.{} Mean: \
+        "Final success {} over the {} environments in which every method here has results: {}.{}{} Mean: \
          over environments of the mean over seeds. IQM: interquartile mean of all runs. Optimality gap: how far runs \
          fall short of {TARGET} on average, less is better. Brackets: {} % percentile bootstrap intervals, stratified \
          by environment; they describe and decide nothing: {BOOTSTRAP_COVERAGE}.",
+        across.seeds,
         across.environments.len(),
         across.environments.join(", "),
+        failed_in_words(across.failed),
         if left_out.is_empty() {
             String::new()
         } else {

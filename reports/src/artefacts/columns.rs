@@ -2,6 +2,7 @@
 
 use crate::analysis::group::GroupKey;
 use crate::analysis::ledger::{Effect, LedgerEntry};
+use crate::analysis::summary::GroupSummary;
 use crate::render::table::Column;
 
 pub(super) const ENVIRONMENT: (&str, &str) = ("environment", "environment id");
@@ -32,6 +33,19 @@ pub(super) fn variant<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
 /// Seeds with at least one evaluation.
 pub(super) fn seeds<'c, R: 'c>(count: fn(&R) -> usize) -> Column<'c, R> {
     Column::count("n_seeds", "seeds with at least one evaluation", move |row| count(row) as u64)
+}
+
+/// Seeds whose run used up its budget.
+pub(super) fn finished<'c>() -> Column<'c, GroupSummary> {
+    let meaning =
+        "seeds whose run used up its budget; where there are none, numbers are those of unfinished runs";
+    Column::count("n_finished", meaning, |row: &GroupSummary| row.n_finished as u64)
+}
+
+/// Seeds whose run failed.
+pub(super) fn failed<'c>() -> Column<'c, GroupSummary> {
+    let meaning = "seeds whose run failed, and counts 0 from its failure on";
+    Column::count("n_failed", meaning, |row: &GroupSummary| row.n_failed as u64)
 }
 
 /// `95`: a share as whole or broken per cent.

@@ -5,7 +5,7 @@ use crate::analysis::cost::Cost;
 use crate::analysis::summary::GroupSummary;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{UNDEFINED, decimal, or_undefined, span, thousands};
+use crate::render::table::cells::{UNDEFINED, duration, or_undefined, span, thousands};
 use crate::render::table::{Column, Sheet};
 
 const SECTION: Section = Section::Named { id: "costs", title: "What training took" };
@@ -17,31 +17,32 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     Sheet::of(caption(), &analysis.summaries, &columns())
 }
 
-fn columns() -> [Column<'static, GroupSummary>; 12] {
+fn columns() -> [Column<'static, GroupSummary>; 13] {
     [
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
         columns::seeds(|row| row.n_seeds),
+        columns::finished(),
         Column::count(
             "steps_min",
-            "fewest training steps at a seed's last evaluation",
+            "fewest training steps at a finished run's last evaluation",
             |row: &GroupSummary| row.cost.steps.0,
         ),
         Column::count("steps_max", "most of them", |row: &GroupSummary| row.cost.steps.1),
         Column::only_shown("Steps", |row: &GroupSummary| span(row.cost.steps)),
         Column::real(
             "gradient_steps",
-            "mean over seeds of the student's gradient steps",
+            "mean over finished runs of the student's gradient steps",
             |row: &GroupSummary| row.cost.gradient_steps,
         )
         .shown("Gradient steps", |row| thousands(row.cost.gradient_steps.round() as u64)),
         Column::real(
             "wall_hours",
-            "mean over seeds of the hours of wall-clock time; empty without timings",
+            "mean over finished runs of the hours of wall-clock time; empty where the last evaluation of one has no timing",
             |row: &GroupSummary| row.cost.wall_hours,
         )
-        .shown("Hours per run", |row| or_undefined(row.cost.wall_hours, decimal)),
+        .shown("Time per run", |row| or_undefined(row.cost.wall_hours, duration)),
         Column::real(
             "teacher_hours",
             "hours of it spent in the teacher; empty where timings do not tell",
@@ -63,17 +64,18 @@ fn columns() -> [Column<'static, GroupSummary>; 12] {
 
 fn caption() -> String {
     format!(
-        "What training took up to the last evaluation. Steps: in the environment, those of evaluations not counted, a \
-         range where seeds differ. Gradient steps: of the student, without those of a teacher's own networks. Hours: \
-         wall-clock time, evaluations included. Teacher: hours spent in proposing goals, observing episodes and its \
+        "What training took up to the last evaluation, of finished runs; where there are none, of all as far as they got. \
+         Steps: in the environment, those of evaluations not counted, a range where seeds differ. Gradient steps: of \
+         the student, without those of a teacher's own networks. Time: by the clock on the wall, evaluations included. \
+         Teacher: time spent in proposing goals, observing episodes and its \
          own learning, with their share of the wall-clock time; the student's learning and evaluations likewise; the \
          rest is simulation. Means over seeds; {UNDEFINED} where timings do not tell. Times of runs that shared a \
          machine with others compare loosely."
     )
 }
 
-/// `0.50 (25 %)`.
+/// `0.50 h (25 %)`.
 fn part(cost: &Cost, hours: Option<f64>) -> String {
     let share = cost.share(hours).map(|share| format!(" ({:.0} %)", 100.0 * share));
-    or_undefined(hours, |hours| decimal(hours) + &share.unwrap_or_default())
+    or_undefined(hours, |hours| duration(hours) + &share.unwrap_or_default())
 }

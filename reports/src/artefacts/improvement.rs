@@ -1,6 +1,6 @@
 //! The probability that the first method improves on each other one.
 
-use super::{ACROSS, Artefact, Drawing};
+use super::{ACROSS, Artefact, Drawing, basis};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -12,11 +12,11 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     if across.improvements.is_empty() {
         return Ok(Vec::new());
     }
-    let (resampling, keys) = (analysis.options.resampling, analysis.groups.keys());
+    let (basis, keys) = (basis(analysis), analysis.groups.keys());
     Ok(vec![Drawing {
         name: "improvement".to_owned(),
         title: "Probability of improvement, environments that both methods have".to_owned(),
         environment: None,
-        svg: figure::improvements(&across.improvements, resampling, keys)?,
+        svg: figure::improvements(&across.improvements, &basis, keys)?,
     }])
 }

@@ -33,6 +33,7 @@ pub use report::{Written, write};
 
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
+use crate::render::figure::Basis;
 use crate::render::table::Sheet;
 
 /// Every figure and table of a report, in the order in which they are read. Within a section figures stand
@@ -93,6 +94,18 @@ pub enum Section {
 const RESULTS: Section = Section::Named { id: "results", title: "Results" };
 /// Sums over environments.
 const ACROSS: Section = Section::Named { id: "across", title: "Across environments" };
+
+/// What the figures of sums over environments rest on.
+fn basis<'a>(analysis: &'a Analysis<'_>) -> Basis<'a> {
+    let across = &analysis.across;
+    Basis {
+        environments: across.environments.len(),
+        seeds: &across.seeds,
+        fewest_runs: across.fewest_runs,
+        failed: across.failed,
+        resampling: analysis.options.resampling,
+    }
+}
 
 /// What an artefact is, and how it is computed.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Performance profiles of all methods.
 
-use super::{ACROSS, Artefact, Drawing};
+use super::{ACROSS, Artefact, Drawing, basis};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -12,12 +12,11 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     if across.profiles.is_empty() {
         return Ok(Vec::new());
     }
-    let (count, resampling) = (across.environments.len(), analysis.options.resampling);
-    let keys = analysis.groups.keys();
+    let (basis, keys) = (basis(analysis), analysis.groups.keys());
     Ok(vec![Drawing {
         name: "profiles".to_owned(),
-        title: format!("Performance profiles, {count} environments"),
+        title: format!("Performance profiles, {} environments", basis.environments),
         environment: None,
-        svg: figure::profiles(&across.profiles, count, resampling, keys)?,
+        svg: figure::profiles(&across.profiles, &basis, keys)?,
     }])
 }

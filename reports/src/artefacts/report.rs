@@ -6,6 +6,7 @@ use super::files::{self, File};
 use super::made::{Made, make, shown};
 use super::{ARTEFACTS, Artefact, Content, Section, page};
 use crate::analysis::comparison::{ALPHA, TARGET_POWER};
+use crate::analysis::complete;
 use crate::analysis::groups::Groups;
 use crate::analysis::missing;
 use crate::analysis::options::ReportOptions;
@@ -49,7 +50,8 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
             problems: store.problems().to_vec(),
         });
     }
-    let groups = Groups::of(&store, options);
+    let completed = complete::failed_as_zero(&store, options.failures);
+    let groups = Groups::of(&store, &completed, options);
     let analysis = Analysis::of(results, &store, &groups, options);
     // The problems of all files, for the report and for the caller.
     let mut problems = [store.problems(), &analysis.heat.problems].concat();

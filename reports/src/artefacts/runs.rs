@@ -1,11 +1,12 @@
 //! Single runs: how far each got, how it ended, what it reached and what it took.
 
 use super::{Artefact, Repeated, Section, columns};
+use crate::analysis::cost::last_timing;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::scores;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{decimal, or_undefined, thousands, with_interval};
+use crate::render::table::cells::{duration, or_undefined, thousands, with_interval};
 use crate::render::table::{Column, Sheet};
 use crate::schema::{Outcome, Timing};
 use crate::stats;
@@ -80,7 +81,7 @@ fn success(options: &ReportOptions) -> [Column<'_, Run>; 5] {
 
 /// What it took, and what it was made with.
 fn costs() -> [Column<'static, Run>; 6] {
-    let hours = |run: &Run, seconds: fn(&Timing) -> Option<f64>| Some(seconds(run.timings.last()?)? / 3600.0);
+    let hours = |run: &Run, seconds: fn(&Timing) -> Option<f64>| Some(seconds(last_timing(run)?)? / 3600.0);
     let wall = move |run: &Run| hours(run, |timing| Some(timing.wall_s));
     let versions = |run: &Run| {
         let versions = run.manifest.versions.iter().map(|(name, version)| format!("{name} {version}"));
@@ -92,7 +93,7 @@ fn costs() -> [Column<'static, Run>; 6] {
             "hours of wall-clock time up to the last evaluation; empty without timings",
             wall,
         )
-        .shown("Hours", move |run| or_undefined(wall(run), decimal)),
+        .shown("Time", move |run| or_undefined(wall(run), duration)),
         Column::real("evaluation_hours", "hours of it spent in evaluations", move |run: &Run| {
             hours(run, |timing| Some(timing.evaluation_s))
         }),
@@ -124,7 +125,7 @@ fn caption(options: &ReportOptions) -> String {
     format!(
         "Final success: success rate averaged over the last {} evaluations of the run, with Wilson's {} % interval for \
          the successes among all of their episodes. It covers the noise of evaluating this one run, not what another \
-         seed would give. Steps: at the last evaluation. Hours: wall-clock time up to it.",
+         seed would give. That of the untrained student is never among them. Steps: at the last evaluation. Time: by the clock on the wall up to it.",
         options.window,
         columns::percent(options.resampling.confidence),
     )

@@ -50,6 +50,14 @@ pub enum StoreError {
         /// Bytes in it.
         bytes: usize,
     },
+    /// A file of a run that is not what it was, or is gone.
+    #[error("{path}: {reason}")]
+    Altered {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// A manifest in the folder of another run.
     #[error("{path}: belongs to the run {found}, whose place is elsewhere")]
     Misplaced {
@@ -74,6 +82,7 @@ impl StoreError {
             | Self::Json { path, .. }
             | Self::Line { path, .. }
             | Self::Incomplete { path, .. }
+            | Self::Altered { path, .. }
             | Self::Misplaced { path, .. } => path,
         }
     }

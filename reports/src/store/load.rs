@@ -4,8 +4,8 @@ use super::error::StoreError;
 use super::problem::{Fault, StoreProblem};
 use super::results::Results;
 use super::run_folder::{JsonLine, RunFolder};
-use super::{Run, check, layout, lines};
-use crate::schema::{Crash, Manifest, SCHEMA};
+use super::{Run, check, checksums, layout, lines};
+use crate::schema::{Crash, Manifest, Outcome, SCHEMA};
 
 /// A run's folder and what was found wrong in it so far.
 pub(super) struct Loader<'a> {
@@ -75,12 +75,33 @@ impl<'a> Loader<'a> {
         None
     }
 
-    /// The run, as far as it can be used.
+    /// Whether nothing of the run was altered: its manifest, and the files of an ended one.
+    fn is_as_it_was(&mut self, manifest: &Manifest, outcome: Option<&Outcome>) -> bool {
+        let checked = checksums::check_manifest(self.folder, manifest);
+        let checked = checked.and_then(|()| match outcome {
+            Some(_) => checksums::check_ended(self.folder, manifest),
+            None => Ok(()),
+        });
+        let Err(error) = checked else { return true };
+        let file = error.path().file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
+        let reason = match error {
+            StoreError::Altered { reason, .. } => reason.to_owned(),
+            StoreError::Io { action, source, .. } => format!("cannot {action}: {source}"),
+            error => error.to_string(),
+        };
+        self.fault(&file, None, Fault::Altered { reason });
+        false
+    }
+
+    /// The run, as far as it can be used; `None` if it was altered.
     pub(super) fn run(&mut self) -> Option<Run> {
         let manifest = self.manifest()?;
+        let outcome = self.take(layout::OUTCOME, "outcome", self.folder.outcome());
+        if !self.is_as_it_was(&manifest, outcome.as_ref()) {
+            return None;
+        }
         let records = check::records(self, &manifest.run);
         let timings = check::timings(self, &manifest.run);
-        let outcome = self.take(layout::OUTCOME, "outcome", self.folder.outcome());
         match &outcome {
             Some(outcome) => {
                 for fault in check::outcome(outcome, records.last().map(|record| record.step)) {

@@ -6,6 +6,7 @@
 //! read as far as they go.
 
 mod check;
+pub mod checksums;
 pub mod digest;
 mod error;
 pub mod layout;

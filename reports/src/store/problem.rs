@@ -44,6 +44,12 @@ pub enum Fault {
         /// What the system said.
         reason: String,
     },
+    /// A file of an ended run that is not what it was.
+    #[error("{reason}, run left out")]
+    Altered {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Text that is not what the schema says.
     #[error("not a valid {expected}, ignored: {reason}")]
     Malformed {

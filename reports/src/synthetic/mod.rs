@@ -19,7 +19,8 @@ pub use catalogue::catalogue;
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::error::ReportError;
 use crate::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
-use crate::store::layout;
+use crate::store::checksums::{self, Checksums};
+use crate::store::{RunFolder, layout};
 
 /// Goals in the pool.
 const POOL: u32 = 1_000;
@@ -184,11 +185,12 @@ impl Experiment {
             });
             timings.push(timing(&run.curriculum, eval_index, step));
         }
+        let config = self.config(run);
         let manifest = Manifest {
             schema: SCHEMA,
             run: run.clone(),
-            config: self.config(run),
-            hash: "synthetic".to_owned(),
+            hash: checksums::manifest_hash(run, &config),
+            config,
             versions: BTreeMap::from([("goalbench".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]),
         };
         let end = self.evaluations.saturating_sub(1) * self.interval;
@@ -207,6 +209,9 @@ impl Experiment {
             )?;
         }
         file(layout::TIMING, timings.iter().map(json_line).collect())?;
+        let sums = Checksums::of(&RunFolder::new(&folder), &manifest.hash);
+        let sums = sums.map_err(|error| ReportError::io(&folder, "read this folder")(error.into()))?;
+        file(layout::CHECKSUMS, json_line(&sums))?;
         file(layout::OUTCOME, json_line(&Outcome::Finished { step: end }))
     }
 }

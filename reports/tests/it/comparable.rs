@@ -3,10 +3,13 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, options, write_configured, write_run};
+use super::support::{fail, key, options, seal, write_configured, write_run};
+use reports::ReportOptions;
 use reports::analysis::comparison::{self, TestFamily};
 use reports::analysis::complete::{self, Pair};
+use reports::analysis::curves::Curve;
 use reports::analysis::group::{self, GroupKey};
+use reports::analysis::options::Failures;
 use reports::stats::{self, Resampling};
 use reports::store::Store;
 use reports::store::layout;
@@ -143,4 +146,150 @@ fn gaps_in_ablations_are_missing_too() {
         "RoomB: NOVA (n=5) has no evaluation",
     ];
     assert_eq!(of_ablations, expected);
+}
+
+/// Six runs of each of two methods in two rooms; of NOVA's, which reach more, two broke down halfway in each.
+fn broken_down() -> TempDir {
+    let results = TempDir::new().unwrap();
+    for environment in ["RoomA", "RoomB"] {
+        for seed in 0..6 {
+            write_run(results.path(), &key(environment, "wren", "default", seed), &[0.0, 0.5, 0.5, 0.5]);
+            let nova = key(environment, "nova", "default", seed);
+            if seed < 4 {
+                write_run(results.path(), &nova, &[0.0, 0.8, 0.8, 0.8]);
+            } else {
+                fail(&write_run(results.path(), &nova, &[0.0, 0.8]));
+            }
+        }
+    }
+    results
+}
+
+/// The column `name` of a CSV file of the report, for the rows of NOVA.
+fn of_nova(results: &Path, file: &str, name: &str) -> Vec<String> {
+    let csv = fs::read_to_string(layout::report_dir(results).join(file)).unwrap();
+    let mut rows = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let header = rows.next().unwrap();
+    let column = |name: &str| header.iter().position(|other| other == name).unwrap();
+    let (curriculum, column) = (column("curriculum"), column(name));
+    rows.filter(|row| row[curriculum] == "nova").map(|row| row[column].clone()).collect()
+}
+
+#[test]
+fn failed_runs_count_0_from_their_failure_on() {
+    let results = broken_down();
+    let path = results.path();
+    let one = ReportOptions { window: 1, ..options() };
+    let written = reports::write(path, &one).unwrap();
+    let number = |file, name| of_nova(path, file, name)[0].parse::<f64>().unwrap();
+    // (4 * 0.8 + 2 * 0) / 6, and the four that finished beside it.
+    assert!((number("summary.csv", "final_mean") - 3.2 / 6.0).abs() < 1e-12);
+    assert!((number("summary.csv", "final_finished_mean") - 0.8).abs() < 1e-12);
+    assert_eq!(
+        ["n_seeds", "n_finished", "n_failed"].map(|name| number("summary.csv", name)),
+        [6.0, 4.0, 2.0]
+    );
+    assert!((number("aggregates.csv", "mean") - 3.2 / 6.0).abs() < 1e-12);
+    assert_eq!(["runs", "runs_failed"].map(|name| number("aggregates.csv", name)), [12.0, 4.0]);
+    assert_eq!(number("costs.csv", "steps_min"), 3_000.0, "what finished runs took");
+    let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
+    let row = csv.lines().nth(1).unwrap();
+    assert!(row.starts_with("methods,RoomA,wren,default,nova,default,6,6,0,6,"), "{row}");
+    let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
+    assert!(summary.contains("| 4 of 6, 2 failed |"), "{summary}");
+    assert!(summary.contains(" 4 runs failed: they count 0 from their failure on."), "{summary}");
+    for expected in [
+        "RoomA: NOVA: 2 of 6 runs failed",
+        "comparisons, ledger and sums over environments count failed runs as 0 from their failure on; runs of methods \
+         that failed: 4",
+    ] {
+        assert!(written.missing.iter().any(|line| line == expected), "{expected}: {:#?}", written.missing);
+    }
+
+    reports::write(path, &ReportOptions { failures: Failures::Apart, ..one }).unwrap();
+    assert!((number("summary.csv", "final_mean") - 0.8).abs() < 1e-12);
+    assert_eq!(of_nova(path, "summary.csv", "final_finished_mean"), ["", ""]);
+    assert_eq!(["runs", "runs_failed"].map(|name| number("aggregates.csv", name)), [8.0, 0.0]);
+}
+
+#[test]
+fn unfinished_runs_are_not_mixed_into_finished_ones() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    write(path, "nova", "default", &[(0, 0.5), (1, 0.75)]);
+    write_run(path, &key("A", "nova", "default", 2), &[0.0]);
+    unfinish(path, "A", "nova", "default", 2);
+    write(path, "wren", "default", &[(0, 0.25)]);
+    unfinish(path, "A", "wren", "default", 0);
+    reports::write(path, &options()).unwrap();
+    for file in ["summary.csv", "costs.csv"] {
+        assert_eq!(of_nova(path, file, "n_seeds"), ["3"]);
+        assert_eq!(of_nova(path, file, "n_finished"), ["2"]);
+        assert_eq!(of_nova(path, file, "gradient_steps"), ["400.0"], "{file}: of the two that finished");
+    }
+    assert_eq!(of_nova(path, "summary.csv", "final_mean"), ["0.625"]);
+    // A method of which nothing has finished is shown as far as it got.
+    let csv = fs::read_to_string(layout::report_dir(path).join("summary.csv")).unwrap();
+    assert!(csv.contains("\nA,wren,default,1,0,0,0.25,"), "{csv}");
+}
+
+#[test]
+fn equal_methods_do_not_differ_for_lack_of_seeds() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for (environment, rate, seeds) in
+        [("RoomA", 0.9, 7), ("RoomB", 0.9, 7), ("ArmPush", 0.1, 2), ("ArmSlide", 0.1, 2)]
+    {
+        for seed in 0..7 {
+            write_run(path, &key(environment, "nova", "default", seed), &[0.0, rate]);
+            if seed < seeds {
+                write_run(path, &key(environment, "wren", "default", seed), &[0.0, rate]);
+            }
+        }
+    }
+    reports::write(path, &options()).unwrap();
+    let csv = fs::read_to_string(layout::report_dir(path).join("aggregates.csv")).unwrap();
+    let rows: Vec<&str> = csv.lines().skip(1).map(|row| row.split_once("default,").unwrap().1).collect();
+    assert_eq!(rows[0], rows[1]);
+    let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
+    assert!(
+        summary.contains("Final success of the 2 to 7 seeds that all of them have in each over"),
+        "{summary}"
+    );
+}
+
+#[test]
+fn runs_on_different_grids_give_one_smooth_curve() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for seed in 0..6 {
+        let rate = if seed < 4 { 0.7 } else { 0.3 };
+        let folder = write_run(path, &key("A", "nova", "default", seed), &[0.0, rate, rate, rate]);
+        if seed >= 4 {
+            // As if each cycle of training were a little longer.
+            for file in [layout::RECORDS, layout::TIMING, layout::OUTCOME] {
+                let text = fs::read_to_string(folder.join(file)).unwrap();
+                let later = ["1000", "2000", "3000"].iter().fold(text, |text, step| {
+                    text.replace(&format!(":{step}"), &format!(":{}50", &step[..2]))
+                });
+                fs::write(folder.join(file), later).unwrap();
+            }
+            seal(&folder);
+        }
+    }
+    let store = Store::read(path).unwrap();
+    assert_eq!(store.problems(), []);
+    let groups = group::groups(&store, &catalogue());
+    let curve = Curve::of(&groups[0]);
+    assert!(curve.interpolated);
+    let points: Vec<(u64, usize, f64)> =
+        curve.points.iter().map(|point| (point.step, point.n, (point.mean * 1e3).round() / 1e3)).collect();
+    // At 1,000 steps the others are at 1,000 of 1,050 steps of the way to 0.3: (4 * 0.7 + 2 * 0.286) / 6. Only they
+    // go on beyond 3,000.
+    assert_eq!(
+        points,
+        [(0, 6, 0.0), (1_000, 6, 0.562), (2_000, 6, 0.567), (3_000, 6, 0.567), (3_050, 2, 0.3)]
+    );
+    let times: Vec<f64> = curve.points.iter().map(|point| point.hours.unwrap()).collect();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
 }

@@ -75,6 +75,23 @@ fn records_have_a_row_per_evaluation() {
 }
 
 #[test]
+fn text_in_parquet_is_a_string_to_all_readers() {
+    let results = TempDir::new().unwrap();
+    write_run(results.path(), &key("E", "wren", "ARROW:schema", 0), &[0.0, 0.5]);
+    reports::write(results.path(), &options()).unwrap();
+    for name in ["records", "runs"] {
+        let path = layout::report_dir(results.path()).join(format!("{name}.parquet"));
+        let mut reader = ParquetReader::new(std::fs::File::open(&path).unwrap());
+        // A reader of Arrow would take text for the `string_view` that polars notes there.
+        let notes = reader.get_metadata().unwrap().key_value_metadata().clone().unwrap_or_default();
+        assert!(notes.iter().all(|note| note.key != "ARROW:schema"), "{notes:?}");
+        let frame = reader.finish().unwrap();
+        assert_eq!(frame.column("variant").unwrap().str().unwrap().get(0), Some("ARROW:schema"));
+        assert!(frame.column("seed").unwrap().u64().is_ok());
+    }
+}
+
+#[test]
 fn the_numbers_of_a_run_by_hand() {
     let results = TempDir::new().unwrap();
     write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5, 1.0]);

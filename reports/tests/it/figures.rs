@@ -8,7 +8,7 @@ use reports::analysis::finals::Finals;
 use reports::analysis::group::GroupKey;
 use reports::analysis::heat::{HeatMap, HeatPhase};
 use reports::analysis::improvement;
-use reports::render::figure;
+use reports::render::figure::{self, Basis};
 use reports::stats::Resampling;
 use reports::synthetic::catalogue;
 use resvg::usvg::{self, Node, Rect};
@@ -33,6 +33,8 @@ fn curve(environment: &str, curriculum: &str, variant: &str, n: usize, rate: imp
         key: key(environment, curriculum, variant),
         points: (0..=100).map(point).collect(),
         episodes: (20, 20),
+        interpolated: true,
+        failed: 3,
     }
 }
 
@@ -90,6 +92,8 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
                 key: key("E", "nova", "default"),
                 points: vec![Point { n: 1, mean: 0.05, hours: Some(0.0), ..Point::default() }],
                 episodes: (20, 20),
+                interpolated: false,
+                failed: 0,
             }],
         ),
         ("long names", long_curricula.map(|id| curve(LONG, &id, LONG, 7, |share| share)).collect()),
@@ -122,12 +126,22 @@ fn figures(curves: &[Curve]) -> Vec<String> {
     figures
 }
 
+/// With all that captions can say.
+const BASIS: Basis<'_> = Basis {
+    environments: 11,
+    seeds: "of the 2 to 7 seeds that all of them have in each",
+    fewest_runs: 2,
+    failed: 3,
+    resampling: Resampling { seed: 0, resamples: 1_000, confidence: 0.95 },
+};
+
 /// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final
 /// scores.
 fn across(curves: &[&Curve]) -> [String; 3] {
     let finals = |(index, curve): (usize, &&Curve)| Finals {
         key: curve.key.clone(),
         by_seed: (0..7).map(|seed| (seed, (0.1 * (seed as f64 + index as f64)).min(1.0))).collect(),
+        failed: Vec::new(),
     };
     let finals: Vec<Finals> = curves.iter().enumerate().map(finals).collect();
     let resampling = Resampling { resamples: 1_000, ..Resampling::default() };
@@ -136,11 +150,11 @@ fn across(curves: &[&Curve]) -> [String; 3] {
     let profiles = shared.profiles(resampling);
     assert_eq!(profiles.len(), curves.len());
     [
-        figure::profiles(&profiles, 11, resampling, keys()).unwrap(),
-        figure::aggregates(&shared.aggregates(resampling), resampling, keys()).unwrap(),
+        figure::profiles(&profiles, &BASIS, keys()).unwrap(),
+        figure::aggregates(&shared.aggregates(resampling), &BASIS, keys()).unwrap(),
         figure::improvements(
             &improvement::improvements(&finals.iter().collect::<Vec<_>>(), resampling),
-            resampling,
+            &BASIS,
             keys(),
         )
         .unwrap(),
@@ -165,7 +179,7 @@ fn efficiency(curves: &[&Curve]) -> String {
             intervals: intervals.clone(),
         })
         .collect();
-    figure::efficiency(&curves, 11, Resampling::default(), owned.iter().map(|(key, ..)| key)).unwrap()
+    figure::efficiency(&curves, &BASIS, owned.iter().map(|(key, ..)| key)).unwrap()
 }
 
 /// Heat maps of the methods of some curves in a maze whose middle row is a wall.

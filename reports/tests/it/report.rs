@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, options, write_run};
+use super::support::{key, options, seal, write_run};
 use reports::ReportError;
 use reports::ReportOptions;
 use reports::store::layout;
@@ -183,8 +183,10 @@ fn figures_of_environments_that_are_gone_do_not_stay() {
 #[test]
 fn problems_are_returned_and_listed() {
     let results = small_results();
-    let records = layout::run_dir(results.path(), &key("RoomA", "nova", "default", 0)).join(layout::RECORDS);
+    let folder = layout::run_dir(results.path(), &key("RoomA", "nova", "default", 0));
+    let records = folder.join(layout::RECORDS);
     fs::write(&records, fs::read_to_string(&records).unwrap() + "{\"half").unwrap();
+    seal(&folder);
     let written = reports::write(results.path(), &options()).unwrap();
     assert_eq!(written.problems.len(), 1);
     let summary = fs::read_to_string(layout::report_dir(results.path()).join("summary.md")).unwrap();

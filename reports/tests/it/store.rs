@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, options, record, write_run};
+use super::support::{key, line, options, record, seal, write_run};
 use reports::ReportError;
 use reports::schema::{Crash, Outcome, Record};
-use reports::store::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
+use reports::store::layout::{self, CHECKSUMS, CRASHES, MANIFEST, OUTCOME, RECORDS, TEACHING, TIMING};
 use reports::store::{Results, RunFolder, Store};
 use tempfile::TempDir;
 
@@ -16,6 +16,10 @@ fn damaged(damage: impl FnOnce(&Path)) -> (Vec<String>, Vec<u64>) {
     let results = TempDir::new().unwrap();
     let folder = write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.25, 0.5, 1.0]);
     damage(&folder);
+    // As if it had ended like this; what is altered after the end is another matter.
+    if folder.join(MANIFEST).exists() {
+        seal(&folder);
+    }
     let store = Store::read(results.path()).unwrap();
     let problems = store.problems().iter().map(ToString::to_string).collect();
     let left = store.runs().iter().flat_map(|run| &run.records).map(|record| record.eval_index).collect();
@@ -321,6 +325,7 @@ fn runs_of_one_curve_must_be_configured_alike() {
     let folder = write_run(results.path(), &key("E", "nova", "default", 1), &[0.0]);
     let path = folder.join(MANIFEST);
     fs::write(&path, fs::read_to_string(&path).unwrap().replace("256", "512")).unwrap();
+    seal(&folder);
     let problems: Vec<String> =
         Store::read(results.path()).unwrap().problems().iter().map(ToString::to_string).collect();
     let expected =
@@ -364,6 +369,7 @@ fn records_older_than_success_at_any_step_are_read() {
         };
         lines.into_iter().map(old).collect()
     });
+    seal(&folder);
     let store = Store::read(results.path()).unwrap();
     assert_eq!(store.problems(), []);
     let rates = store.runs()[0].records.iter().map(|record| record.any_success_rate);
@@ -374,4 +380,60 @@ fn records_older_than_success_at_any_step_are_read() {
     let csv = fs::read_to_string(layout::report_dir(results.path()).join("summary.csv")).unwrap();
     let at_any_step = csv.lines().map(|line| line.split(',').nth(6).unwrap()).collect::<Vec<_>>();
     assert_eq!(at_any_step, ["final_any_mean", ""], "no mean without a seed");
+}
+
+#[test]
+fn a_run_that_was_altered_after_its_end_is_named_and_left_out() {
+    /// A run with a teaching file, and what is said after `damage`.
+    fn told(damage: impl FnOnce(&Path)) -> (Vec<String>, usize) {
+        let results = TempDir::new().unwrap();
+        let folder = write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5]);
+        fs::write(folder.join(TEACHING), "").unwrap();
+        seal(&folder);
+        let whole = Store::read(results.path()).unwrap();
+        assert_eq!((whole.problems(), whole.len()), (&[][..], 2));
+        damage(&folder);
+        let store = Store::read(results.path()).unwrap();
+        (store.problems().iter().map(ToString::to_string).collect(), store.runs().len())
+    }
+    let write = |name: &'static str, text: &'static str| {
+        move |folder: &Path| {
+            fs::write(folder.join(name), text).unwrap();
+        }
+    };
+    let remove = |name: &'static str| move |folder: &Path| fs::remove_file(folder.join(name)).unwrap();
+    let replace = |name: &'static str, from: &'static str, to: &'static str| {
+        move |folder: &Path| {
+            let text = fs::read_to_string(folder.join(name)).unwrap();
+            assert!(text.contains(from));
+            fs::write(folder.join(name), text.replace(from, to)).unwrap();
+        }
+    };
+    let cut = |folder: &Path| edit(folder, |lines| lines[..1].to_vec());
+    let altered = "was cut off or altered after the run ended, run left out";
+    let cases = [
+        (told(replace(RECORDS, "\"success_rate\":0.5", "\"success_rate\":0.9")), RECORDS, altered),
+        (told(write(RECORDS, "")), RECORDS, altered),
+        (told(cut), RECORDS, altered),
+        (
+            told(remove(RECORDS)),
+            RECORDS,
+            "cannot read this file: No such file or directory (os error 2), run left out",
+        ),
+        (told(write(TEACHING, "{}\n")), TEACHING, altered),
+        (
+            told(remove(TEACHING)),
+            TEACHING,
+            "cannot read this file: No such file or directory (os error 2), run left out",
+        ),
+        (
+            told(replace(MANIFEST, "256", "1024")),
+            MANIFEST,
+            "its hash does not fit its config: it was altered after it was written, run left out",
+        ),
+        (told(remove(CHECKSUMS)), CHECKSUMS, "is missing, though the run has ended, run left out"),
+    ];
+    for ((problems, runs), file, expected) in cases {
+        assert_eq!((problems, runs), (vec![format!("{FOLDER}/{file}: {expected}")], 0));
+    }
 }

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use reports::ReportOptions;
 use reports::analysis::catalogue::{EnvironmentInfo, MazeInfo};
 use reports::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
-use reports::store::layout;
+use reports::store::checksums::{self, Checksums};
+use reports::store::{RunFolder, layout};
 use reports::synthetic::{Experiment, catalogue};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -35,8 +36,8 @@ pub(crate) fn write_run(results: &Path, run: &RunKey, rates: &[f64]) -> PathBuf 
 pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], config: Value) -> PathBuf {
     let folder = layout::run_dir(results, run);
     fs::create_dir_all(&folder).unwrap();
-    let manifest =
-        Manifest { schema: SCHEMA, run: run.clone(), config, hash: "none".into(), versions: BTreeMap::new() };
+    let hash = checksums::manifest_hash(run, &config);
+    let manifest = Manifest { schema: SCHEMA, run: run.clone(), config, hash, versions: BTreeMap::new() };
     let records: Vec<Record> = (0..).zip(rates).map(|(index, &rate)| record(run, index, rate)).collect();
     let timing = |record: &Record| Timing {
         eval_index: record.eval_index,
@@ -52,7 +53,27 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
     fs::write(folder.join(layout::TIMING), records.iter().map(|r| line(&timing(r))).collect::<String>())
         .unwrap();
     fs::write(folder.join(layout::OUTCOME), line(&outcome)).unwrap();
+    seal(&folder);
     folder
+}
+
+/// Takes what lies in the folder of an ended run for what it ended with: its manifest gets the hash that fits,
+/// and it gets checksums.
+pub(crate) fn seal(folder: &Path) {
+    let path = folder.join(layout::MANIFEST);
+    let mut manifest: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let run: RunKey = serde_json::from_value(manifest["run"].clone()).unwrap();
+    let hash = checksums::manifest_hash(&run, &manifest["config"]);
+    manifest["hash"] = json!(hash);
+    fs::write(&path, line(&manifest)).unwrap();
+    let sums = Checksums::of(&RunFolder::new(folder), &hash).unwrap();
+    fs::write(folder.join(layout::CHECKSUMS), line(&sums)).unwrap();
+}
+
+/// Makes a finished run one that failed after its last evaluation.
+pub(crate) fn fail(folder: &Path) {
+    let step = RunFolder::new(folder).records().unwrap().last().map_or(0, |record| record.step);
+    fs::write(folder.join(layout::OUTCOME), line(&Outcome::Failed { step, reason: "NaN".into() })).unwrap();
 }
 
 /// 20, or 1,000 where 20 episodes cannot have this success rate.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, options, write_run};
+use super::support::{key, line, options, seal, write_run};
 use reports::analysis::catalogue::MazeInfo;
 use reports::schema::Teaching;
 use reports::store::layout;
@@ -29,6 +29,7 @@ fn read(content: &str) -> (Vec<Teaching>, Vec<String>) {
     let results = TempDir::new().unwrap();
     let folder = write_run(results.path(), &key("M", "nova", "default", 0), &[0.0, 0.5]);
     fs::write(folder.join(layout::TEACHING), content).unwrap();
+    seal(&folder);
     let store = Store::read(results.path()).unwrap();
     assert_eq!(store.problems(), [], "records are sound");
     let (lines, problems) = store::teaching(results.path(), &store.runs()[0]);
@@ -89,6 +90,7 @@ fn what_teachers_picked_is_a_table_where_they_tell() {
                 + "\n"
         });
         fs::write(&records, told.collect::<String>()).unwrap();
+        seal(&folder);
     };
     write_run(path, &key("M", "dull", "default", 0), &[0.0, 0.5, 0.5]);
     let table = layout::report_dir(path).join("tables/teaching.tex");
@@ -134,6 +136,7 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     assert!(lacks(&without, "NOVA"));
     write_run(results.path(), &key("M", "wren", "default", 0), &[0.0, 0.5]);
     fs::write(folder.join(layout::TEACHING), line(&teaching(1)) + "damaged\n").unwrap();
+    seal(&folder);
     let with = report(results.path());
     assert!(heat.is_file());
     assert!(lacks(&with, "WREN") && !lacks(&with, "NOVA"), "{:?}", with.missing);

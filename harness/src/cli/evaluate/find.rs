@@ -8,7 +8,7 @@ use reports::store::{Results, RunFolder, layout};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
-use crate::run::folder::read_manifest;
+use crate::run::folder::{outcome, read_manifest};
 use crate::run::policy::Policy;
 
 /// A run to evaluate.
@@ -48,6 +48,7 @@ pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, Har
         };
         if RunFolder::new(path).has(layout::MANIFEST) {
             let run = Policy::read(registry, path)?.run().clone();
+            outcome(path, &read_manifest(path)?.0)?;
             let results = results_of(&place, &run).unwrap_or(&place).to_owned();
             add(Subject { folder: path.clone(), results, named: true, run })?;
         } else if layout::runs_dir(path).is_dir() {
@@ -74,6 +75,7 @@ pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, Har
 fn within(results: &Path, folder: &RunFolder) -> Result<Subject, HarnessError> {
     let manifest = read_manifest(folder.path())?.0;
     folder.check_place(&manifest)?;
+    outcome(folder.path(), &manifest)?;
     let folder = folder.path().to_owned();
     Ok(Subject { folder, results: results.to_owned(), named: false, run: manifest.run })
 }

@@ -1,6 +1,5 @@
 //! The folder of one run: what state it is in, and how it is written.
 
-mod checksums;
 mod recorder;
 
 use std::fs::{self, Permissions};
@@ -9,9 +8,9 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use reports::schema::{Manifest, Outcome};
-use reports::store::RunFolder;
 use reports::store::layout::{self, Lives};
 pub use reports::store::read_json;
+use reports::store::{RunFolder, StoreError, checksums};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -84,9 +83,20 @@ pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, Ha
     let run = RunFolder::new(folder);
     let outcome = run.outcome()?;
     if outcome.is_some() {
-        checksums::verify(&run, manifest)?;
+        checksums::check_ended(&run, manifest).map_err(anew)?;
     }
     Ok(outcome)
+}
+
+/// An altered run, with what to do about it.
+fn anew(error: StoreError) -> HarnessError {
+    match error {
+        StoreError::Altered { path, reason } => HarnessError::Damaged {
+            path,
+            reason: format!("{reason}; delete this run's folder to train it anew"),
+        },
+        error => error.into(),
+    }
 }
 
 /// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use reports::schema::{Outcome, Record, Teaching, Timing};
+use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, layout};
 use serde::{Deserialize, Serialize};
 
-use super::{checksums, write_json};
+use super::write_json;
 use crate::run::observer::Stage;
 use crate::tracking::EventFile;
 
@@ -179,7 +180,7 @@ impl Recorder {
     pub fn end(self, run: &str, outcome: &Outcome) -> std::io::Result<()> {
         self.records.file.sync_all()?;
         self.teaching.file.sync_all()?;
-        checksums::write(&self.folder, run)?;
+        write_json(&self.folder.file(layout::CHECKSUMS), &Checksums::of(&self.folder, run)?)?;
         write_json(&self.folder.file(layout::OUTCOME), outcome)
     }
 }

@@ -52,5 +52,7 @@ fn curve(catalogue: &Catalogue, cell: &Cell, side: &str) -> Curve {
         key: GroupKey::new(catalogue, &cell.environment, &cell.curriculum, side),
         points: cell.steps.iter().enumerate().filter_map(point).collect(),
         episodes: (cell.episodes, cell.episodes),
+        interpolated: false,
+        failed: 0,
     }
 }

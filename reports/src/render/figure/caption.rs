@@ -2,9 +2,9 @@
 
 use std::fmt::Display;
 
-use crate::analysis::curves::{Curve, DDOF};
+use crate::analysis::curves::{Curve, DDOF, Point};
 
-/// For example `mean ± std over 7 seeds (ddof = 1), 20-episode evaluations`.
+/// For example `mean ± std over 7 seeds (ddof = 1), cut at 0 and 1, 20-episode evaluations`.
 pub(super) fn of(curves: &[&Curve]) -> String {
     let seeds = bounds(curves.iter().map(|curve| curve.seeds()));
     let episodes = range(bounds(curves.iter().map(|curve| curve.episodes)));
@@ -13,7 +13,19 @@ pub(super) fn of(curves: &[&Curve]) -> String {
         (1, _) => format!("mean ± std over {} seeds (ddof = {DDOF}; no band where n = 1)", range(seeds)),
         _ => format!("mean ± std over {} seeds (ddof = {DDOF})", range(seeds)),
     };
-    format!("{spread}, {episodes}-episode evaluations")
+    let is_cut =
+        |point: &Point| point.std.is_some_and(|std| point.mean - std < 0.0 || point.mean + std > 1.0);
+    let cut = if curves.iter().flat_map(|curve| &curve.points).any(is_cut) { ", cut at 0 and 1" } else { "" };
+    let mut caption = format!("{spread}{cut}, {episodes}-episode evaluations");
+    if curves.iter().any(|curve| curve.interpolated) {
+        caption.push_str("; seeds evaluated at other steps: on the line between two evaluations");
+    }
+    match curves.iter().map(|curve| curve.failed).sum() {
+        0 => {}
+        1 => caption.push_str("; 1 failed run counts 0 from its failure on"),
+        k => caption.push_str(&format!("; {k} failed runs count 0 from their failure on")),
+    }
+    caption
 }
 
 /// `7`, or `3–7`.
@@ -31,13 +43,12 @@ fn bounds<T: Ord + Default + Copy>(ranges: impl Iterator<Item = (T, T)> + Clone)
 mod tests {
     use super::*;
     use crate::analysis::catalogue::Catalogue;
-    use crate::analysis::curves::Point;
     use crate::analysis::group::GroupKey;
 
     fn curve(seeds: &[usize], episodes: (u64, u64)) -> Curve {
         let point = |&n: &usize| Point { n, mean: 0.5, ..Point::default() };
         let key = GroupKey::new(&Catalogue::default(), "E", "c", "default");
-        Curve { key, points: seeds.iter().map(point).collect(), episodes }
+        Curve { key, points: seeds.iter().map(point).collect(), episodes, interpolated: false, failed: 0 }
     }
 
     #[test]
@@ -48,6 +59,21 @@ mod tests {
         assert_eq!(
             say(&[7, 1], (10, 20)),
             "mean ± std over 1–7 seeds (ddof = 1; no band where n = 1), 10–20-episode evaluations"
+        );
+    }
+
+    #[test]
+    fn captions_say_what_was_made_of_curves() {
+        let mut one = curve(&[2], (20, 20));
+        one.points[0].std = Some(0.6);
+        assert_eq!(of(&[&one]), "mean ± std over 2 seeds (ddof = 1), cut at 0 and 1, 20-episode evaluations");
+        one.points[0].std = Some(0.5);
+        one.interpolated = true;
+        one.failed = 2;
+        assert_eq!(
+            of(&[&one]),
+            "mean ± std over 2 seeds (ddof = 1), 20-episode evaluations; seeds evaluated at other steps: on the line \
+             between two evaluations; 2 failed runs count 0 from their failure on"
         );
     }
 }

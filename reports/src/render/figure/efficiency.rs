@@ -1,5 +1,6 @@
 //! Sample efficiency: the interquartile mean over environments while runs train.
 
+use super::basis::Basis;
 use super::legend::Label;
 use super::page::Page;
 use super::palette::Palette;
@@ -8,17 +9,15 @@ use super::ticks;
 use crate::analysis::efficiency::Efficiency;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
-use crate::stats::Resampling;
 
-/// A figure of the sample-efficiency curves of all methods over `environments` environments, as SVG. `keys`
-/// are those of the whole report, which settle the looks.
+/// A figure of the sample-efficiency curves of all methods, as SVG. `keys` are those of the whole report,
+/// which settle the looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
 pub fn efficiency<'a>(
     curves: &[Efficiency<'_>],
-    environments: usize,
-    resampling: Resampling,
+    basis: &Basis<'_>,
     keys: impl IntoIterator<Item = &'a GroupKey>,
 ) -> Result<String, ReportError> {
     let palette = Palette::new(keys);
@@ -35,16 +34,14 @@ pub fn efficiency<'a>(
         title: curve.method.curriculum.title.clone(),
         detail: curve.method.detail(),
     };
-    let has_bands = curves.iter().any(|curve| curve.intervals.is_some());
-    let bands = if has_bands {
-        let percent = resampling.confidence * 100.0;
-        format!("bands: pointwise {percent} % stratified bootstrap intervals over seeds")
+    let bands = if curves.iter().any(|curve| curve.intervals.is_some()) {
+        format!("bands: pointwise {}", basis.intervals())
     } else {
         "no bands: single seeds in some environment".to_owned()
     };
     Page {
         panels: vec![Content {
-            title: format!("Sample efficiency, {environments} environments"),
+            title: format!("Sample efficiency, {} environments", basis.environments),
             x: XAxis {
                 name: "Share of the steps that all runs have taken",
                 end: 1.0,
@@ -55,7 +52,10 @@ pub fn efficiency<'a>(
             series: curves.iter().map(series).collect(),
         }],
         legend: curves.iter().map(|curve| (label(curve), palette.look(curve.method))).collect(),
-        caption: bands,
+        caption: format!(
+            "success rate of single evaluations, not smoothed, on a line in between; {}; {bands}",
+            basis.runs()
+        ),
     }
     .draw()
 }

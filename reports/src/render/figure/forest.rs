@@ -3,6 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::basis::Basis;
 use super::canvas::{self, FRAME, GRID, MARGIN, PAGE_WIDTH};
 use super::palette::Palette;
 use super::shapes::{self, Area, DrawResult};
@@ -12,8 +13,6 @@ use crate::analysis::group::GroupKey;
 use crate::analysis::improvement::Improvement;
 use crate::error::ReportError;
 use looks::Look;
-
-use crate::stats::Resampling;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -57,7 +56,7 @@ struct Forest {
 /// [`ReportError::Figure`] if drawing fails.
 pub fn aggregates<'a>(
     rows: &[Aggregate<'_>],
-    resampling: Resampling,
+    basis: &Basis<'_>,
     keys: impl IntoIterator<Item = &'a GroupKey>,
 ) -> Result<String, ReportError> {
     let palette = Palette::new(keys);
@@ -75,7 +74,7 @@ pub fn aggregates<'a>(
                 (row.optimality_gap, row.optimality_gap_ci)
             }),
         ],
-        caption: caption(resampling),
+        caption: format!("{}; {}", basis.runs(), lines(basis)),
     }
     .draw()
 }
@@ -86,7 +85,7 @@ pub fn aggregates<'a>(
 /// [`ReportError::Figure`] if drawing fails.
 pub fn improvements<'a>(
     rows: &[Improvement<'_>],
-    resampling: Resampling,
+    basis: &Basis<'_>,
     keys: impl IntoIterator<Item = &'a GroupKey>,
 ) -> Result<String, ReportError> {
     let palette = Palette::new(keys);
@@ -101,7 +100,10 @@ pub fn improvements<'a>(
             reference: Some(0.5),
             estimates: rows.iter().map(|row| (row.probability, row.interval)).collect(),
         }],
-        caption: format!("in brackets: environments that both methods have; {}", caption(resampling)),
+        caption: format!(
+            "in brackets: environments that both methods have, in each the seeds that both have; {}",
+            lines(basis)
+        ),
     }
     .draw()
 }
@@ -110,11 +112,8 @@ fn name(key: &GroupKey) -> String {
     key.name()
 }
 
-fn caption(resampling: Resampling) -> String {
-    format!(
-        "lines: {} % stratified bootstrap intervals over seeds; none where an environment has a single seed",
-        resampling.confidence * 100.0
-    )
+fn lines(basis: &Basis<'_>) -> String {
+    format!("lines: {}; none where an environment has a single seed", basis.intervals())
 }
 
 impl Forest {

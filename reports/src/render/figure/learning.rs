@@ -63,47 +63,88 @@ fn sheet(
     // Narrow panels have room for fewer tick labels.
     let most_ticks = if panels.len() > 2 { 4 } else { 6 };
     let curves: Vec<&Curve> = panels.iter().flat_map(|panel| panel.curves.iter().copied()).collect();
+    let unit = TimeUnit::fit(last(&curves, Progress::Hours));
     let mut caption = caption::of(&curves);
     if progress == Progress::Hours {
         caption.push_str("; time: mean over seeds, evaluations included");
     }
     Page {
-        panels: panels.iter().map(|panel| content(panel, palette, progress, most_ticks)).collect(),
+        panels: panels.iter().map(|panel| content(panel, palette, progress, most_ticks, unit)).collect(),
         legend: legend(&curves, panels.len(), palette),
         caption,
     }
     .draw()
 }
 
-fn content(panel: &LearningPanel<'_>, palette: &Palette<'_>, progress: Progress, most_ticks: u64) -> Content {
-    let points = panel.curves.iter().flat_map(|curve| &curve.points);
-    let last = points.filter_map(|point| point.at(progress)).fold(0.0, f64::max);
+/// How far the curves go.
+fn last(curves: &[&Curve], progress: Progress) -> f64 {
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    points.filter_map(|point| point.at(progress)).fold(0.0, f64::max)
+}
+
+fn content(
+    panel: &LearningPanel<'_>,
+    palette: &Palette<'_>,
+    progress: Progress,
+    most_ticks: u64,
+    unit: TimeUnit,
+) -> Content {
     let series = |curve: &&Curve| Series {
         marks: curve.points.iter().filter_map(|point| mark(point, progress)).collect(),
         look: palette.look(&curve.key),
     };
     Content {
         title: panel.title.clone(),
-        x: axis(progress, last, most_ticks),
+        x: axis(progress, last(&panel.curves, progress), most_ticks, unit),
         y_name: "Success rate",
         series: panel.curves.iter().map(series).collect(),
     }
 }
 
+/// How hours are written on an axis.
+#[derive(Clone, Copy)]
+struct TimeUnit {
+    name: &'static str,
+    per_hour: f64,
+    /// Hours in this unit.
+    label: fn(f64) -> String,
+}
+
+/// From short to long.
+static TIME_UNITS: [TimeUnit; 3] = [
+    TimeUnit { name: "Wall-clock time in seconds", per_hour: 3600.0, label: |hours| rounded(hours * 3600.0) },
+    TimeUnit { name: "Wall-clock time in minutes", per_hour: 60.0, label: |hours| rounded(hours * 60.0) },
+    TimeUnit { name: "Wall-clock time in hours", per_hour: 1.0, label: rounded },
+];
+
+/// Without what is left of turning one unit into another.
+fn rounded(value: f64) -> String {
+    ((value * 1e6).round() / 1e6).to_string()
+}
+
+impl TimeUnit {
+    /// The first unit that has at most 100 of it in `hours`.
+    fn fit(hours: f64) -> Self {
+        let fits = |unit: &&Self| hours * unit.per_hour <= 100.0;
+        *TIME_UNITS.iter().find(fits).unwrap_or(&TIME_UNITS[2])
+    }
+}
+
 /// An axis up to `last`; up to 1 where that is 0, so that a lone evaluation of the untrained student has an
-/// axis.
-fn axis(progress: Progress, last: f64, most_ticks: u64) -> XAxis {
+/// axis. Hours are labelled in `unit`, which all panels of a figure share.
+fn axis(progress: Progress, last: f64, most_ticks: u64, unit: TimeUnit) -> XAxis {
     let end = if last > 0.0 { last } else { 1.0 };
-    let (name, ticks, label): (_, _, fn(f64) -> String) = match progress {
-        Progress::EnvironmentSteps => {
-            ("Environment steps", ticks::steps(end as u64, most_ticks), ticks::label)
-        }
-        Progress::GradientSteps => ("Gradient steps", ticks::steps(end as u64, most_ticks), ticks::label),
+    let steps = |name| XAxis { name, end, ticks: ticks::steps(end as u64, most_ticks), label: ticks::label };
+    match progress {
+        Progress::EnvironmentSteps => steps("Environment steps"),
+        Progress::GradientSteps => steps("Gradient steps"),
         Progress::Hours => {
-            ("Wall-clock time in hours", ticks::reals(end, most_ticks), |hours| hours.to_string())
+            // Round in the unit that is shown.
+            let ticks = ticks::reals(end * unit.per_hour, most_ticks).into_iter();
+            let ticks = ticks.map(|tick| tick / unit.per_hour).collect();
+            XAxis { name: unit.name, end, ticks, label: unit.label }
         }
-    };
-    XAxis { name, end, ticks, label }
+    }
 }
 
 fn mark(point: &Point, progress: Progress) -> Option<Mark> {
@@ -126,4 +167,26 @@ fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label
         Label { title: curve.key.curriculum.title.clone(), detail }
     };
     methods.iter().map(|curve| (label(curve), palette.look(&curve.key))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_is_labelled_in_the_unit_that_fits() {
+        let said = |hours: f64| {
+            let axis = axis(Progress::Hours, hours, 4, TimeUnit::fit(hours));
+            (axis.name, axis.ticks.iter().map(|tick| (axis.label)(*tick)).collect::<Vec<_>>().join(" "))
+        };
+        assert_eq!(said(30.0 / 3600.0), ("Wall-clock time in seconds", "0 10 20 30".to_owned()));
+        assert_eq!(said(0.5), ("Wall-clock time in minutes", "0 10 20 30".to_owned()));
+        assert_eq!(said(2.78), ("Wall-clock time in hours", "0 1 2".to_owned()));
+        // A panel of less than a minute beside one of half an hour.
+        let short = axis(Progress::Hours, 36.0 / 3600.0, 4, TimeUnit::fit(0.5));
+        assert_eq!(
+            (short.name, (short.label)(short.ticks[1])),
+            ("Wall-clock time in minutes", "0.2".to_owned())
+        );
+    }
 }

@@ -5,6 +5,7 @@
 //! fonts.
 
 mod axis;
+mod basis;
 mod canvas;
 mod caption;
 mod efficiency;
@@ -22,6 +23,7 @@ mod shapes;
 mod text;
 mod ticks;
 
+pub use basis::Basis;
 pub use efficiency::efficiency;
 pub use forest::{aggregates, improvements};
 pub use heat::heat;

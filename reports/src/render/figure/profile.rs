@@ -1,5 +1,6 @@
 //! Performance profiles: the share of runs that reach more than each success rate.
 
+use super::basis::Basis;
 use super::legend::Label;
 use super::page::Page;
 use super::palette::Palette;
@@ -8,17 +9,15 @@ use super::ticks;
 use crate::analysis::aggregate::Profile;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
-use crate::stats::Resampling;
 
-/// A figure of the profiles of all methods over `environments` environments, as SVG. `keys` are those of the
-/// whole report, which settle the looks; `resampling` is how the profiles' intervals were made.
+/// A figure of the profiles of all methods, as SVG. `keys` are those of the whole report, which settle the
+/// looks.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
 pub fn profiles<'a>(
     profiles: &[Profile<'_>],
-    environments: usize,
-    resampling: Resampling,
+    basis: &Basis<'_>,
     keys: impl IntoIterator<Item = &'a GroupKey>,
 ) -> Result<String, ReportError> {
     let palette = Palette::new(keys);
@@ -41,25 +40,23 @@ pub fn profiles<'a>(
         XAxis { name: "Final success rate τ", end: 1.0, ticks: ticks::shares(), label: ticks::share_label };
     Page {
         panels: vec![Content {
-            title: format!("Performance profiles, {environments} environments"),
+            title: format!("Performance profiles, {} environments", basis.environments),
             x,
             y_name: "Share of runs above τ",
             series: profiles.iter().map(series).collect(),
         }],
         legend: profiles.iter().map(|profile| (label(profile), palette.look(profile.method))).collect(),
-        caption: caption(profiles, resampling),
+        caption: caption(profiles, basis),
     }
     .draw()
 }
 
-fn caption(profiles: &[Profile<'_>], resampling: Resampling) -> String {
-    let bands = format!(
-        "bands: pointwise {} % stratified bootstrap intervals over seeds",
-        resampling.confidence * 100.0
-    );
-    match profiles.iter().filter(|profile| profile.intervals.is_none()).count() {
+fn caption(profiles: &[Profile<'_>], basis: &Basis<'_>) -> String {
+    let bands = format!("bands: pointwise {}", basis.intervals());
+    let bands = match profiles.iter().filter(|profile| profile.intervals.is_none()).count() {
         0 => bands,
         all if all == profiles.len() => "no bands: single seeds in some environment".to_owned(),
         _ => format!("{bands}; none for methods with a single seed in some environment"),
-    }
+    };
+    format!("{}; {bands}", basis.runs())
 }

@@ -30,7 +30,7 @@ fn pattern(dash: Dash) -> Option<&'static [f64]> {
         Dash::Short => Some(&[15.0, 10.0]),
         Dash::Dotted => Some(&[6.0, 8.0]),
         Dash::DashDot => Some(&[16.0, 8.0, 5.0, 8.0]),
-        Dash::Sparse => Some(&[10.0, 30.0]),
+        Dash::Sparse => Some(&[14.0, 24.0]),
     }
 }
 
@@ -120,6 +120,15 @@ mod tests {
         assert_eq!(found, [[(0, 0), (4, 0)], [(5, 1), (5, 5)]]);
         assert_eq!(dashes(&[(0, 0), (5, 0), (5, 3)], &[6.0, 2.0]), [[(0, 0), (5, 0), (5, 1)]]);
         assert_eq!(dashes(&[], &[1.0, 1.0]), [[(0, 0); 0]; 0]);
+    }
+
+    #[test]
+    fn no_line_is_mostly_gaps_that_hide_it_in_a_small_panel() {
+        for dash in [Dash::Long, Dash::Short, Dash::Dotted, Dash::DashDot, Dash::Sparse] {
+            let lengths = pattern(dash).unwrap();
+            let drawn: f64 = lengths.iter().step_by(2).sum();
+            assert!(drawn / lengths.iter().sum::<f64>() > 1.0 / 3.0, "{dash:?}");
+        }
     }
 
     #[test]
