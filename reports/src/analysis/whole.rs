@@ -50,7 +50,7 @@ pub struct Analysis<'a> {
 impl<'a> Analysis<'a> {
     /// The analysis of the results folder `results`, which `store` holds and `groups` are of.
     pub fn of(results: &Path, store: &'a Store, groups: &'a Groups<'a>, options: &'a ReportOptions) -> Self {
-        let ReportOptions { window, resampling, ref catalogue } = *options;
+        let ReportOptions { window, resampling, ref catalogue, .. } = *options;
         let summary = |group: &Group<'_>| GroupSummary::of(group, window, resampling);
         let mut picks: Vec<_> = groups.all.iter().map(PickSummary::of).collect();
         if !picks.iter().any(PickSummary::tells) {
