@@ -48,7 +48,7 @@ impl Failures {
 }
 
 /// [`ReportOptions::margin`] where nothing else is asked for.
-pub const MARGIN: f64 = 0.05;
+pub const MARGIN: f64 = 0.1;
 
 /// [`ReportOptions::fewest_pairs`] where nothing else is asked for: below, no test of an interval of 95 %
 /// could refuse anything.
