@@ -3,19 +3,22 @@
 use crate::analysis::complete::Pair;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::{self, Group, GroupKey};
-use crate::stats::{self, Resampling, SignFlip, Welch};
+use crate::analysis::options::ReportOptions;
+use crate::stats::{self, Ddof, SignFlip, Welch};
 
 /// Level that the tests of a family keep together.
 pub const ALPHA: f64 = 0.05;
-/// Power that the needed seeds are counted for.
+/// Power at which a comparison finds what is called detectable.
 pub const TARGET_POWER: f64 = 0.8;
 
 /// Which question a comparison belongs to. The p-values of each are corrected on their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TestFamily {
-    /// Methods against the first method of their environment, in the order of tables.
+    /// Methods against the first method of their environment, in the order of tables: each variant against
+    /// the same variant of it, where that exists, otherwise against its default.
     Methods,
-    /// Variants of a method against its default in the same environment.
+    /// Variants of a method against its default in the same environment: those that the method alone has, and
+    /// those of the first method.
     Variants,
 }
 
@@ -33,8 +36,8 @@ impl TestFamily {
 /// are method minus reference.
 ///
 /// Welch's test leaves aside that runs of one seed share their start, and so it also uses seeds that only one
-/// side has; where pairs go together it errs to the safe side. The sign-flip test uses the pairs and assumes
-/// nothing about how scores are distributed, but is silent for few of them.
+/// side has; where pairs go together it errs to the safe side. The sign-flip test uses the pairs; its null is
+/// that the two runs of a pair are exchangeable. It is silent for few of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison<'a> {
     /// What it belongs to.
@@ -55,21 +58,40 @@ pub struct Comparison<'a> {
     pub difference_ci: Option<(f64, f64)>,
     /// The sign-flip test of those pairs.
     pub sign_flip: Option<SignFlip>,
+    /// Probability of improvement within those pairs: the share in which the method is ahead, ties one half.
+    pub improvement: Option<f64>,
+    /// Two-sided p-value of the sign-flip test of their signs, uncorrected.
+    pub improvement_p: Option<f64>,
     /// Probability that a random run of the method scores above one of the reference.
     pub probability_of_improvement: Option<f64>,
-    /// Welch's test of equal means.
+    /// Welch's test of equal means; `None` where neither side varies.
     pub welch: Option<Welch>,
-    /// Its p-value by Holm's correction for its family.
+    /// Its p-value by Holm's correction for its family; 1 where all scores of both sides are equal.
     pub p_holm: Option<f64>,
     /// Cohen's d.
     pub effect_size: Option<f64>,
     /// [`ALPHA`] over the number of tests of the family: the strictest level that Holm's correction asks for.
     pub level: f64,
-    /// Power to find an effect of that size with the seeds at hand (the fewer of both sides) at `level`.
-    pub power: Option<f64>,
-    /// Seeds on each side that would find it at `level` with a power of [`TARGET_POWER`].
-    pub needed_seeds: Option<u64>,
+    /// The smallest true difference of success rates that Welch's test finds at `level` with a power of
+    /// [`TARGET_POWER`], given the seeds at hand (the fewer of both sides) and their spread.
+    pub detectable: Option<f64>,
+    /// What the tests cannot say, and why.
+    pub note: Option<&'static str>,
 }
+
+impl Comparison<'_> {
+    /// Welch's p-value. Scores that are all equal differ in nothing, so that it is 1.
+    fn p(&self) -> Option<f64> {
+        self.welch.map(|test| test.p).or((self.note == Some(TIED)).then_some(1.0))
+    }
+}
+
+/// Note where all scores are equal.
+const TIED: &str = "all scores of both sides are equal";
+/// Note where Welch's test has no answer.
+const NO_SPREAD: &str = "neither side varies, so Welch's test has no p: see the sign-flip test";
+/// Note on sides of fewer than two runs.
+const TOO_FEW: &str = "fewer than two runs on a side";
 
 /// Compares every method with its reference; `groups` come sorted by key, and `compared` says which of them
 /// stand for their method ([`group::compared`]). Variants whose runs are those of their reference are left
@@ -77,28 +99,30 @@ pub struct Comparison<'a> {
 pub fn comparisons<'a>(
     groups: &'a [Group<'_>],
     compared: &[bool],
-    window: usize,
-    resampling: Resampling,
+    options: &ReportOptions,
 ) -> Vec<Comparison<'a>> {
     let mut comparisons = Vec::new();
     for index in 0..groups.len() {
         let Some((family, reference)) = reference(groups, compared, index) else { continue };
         let pair = Pair::of(&groups[index], reference);
-        if !group::is_repeated(&pair.a, &pair.b) {
+        // A setting that comes to the same in the method is no test of it. Methods that tie are a result.
+        if family == TestFamily::Methods || !group::is_repeated(&pair.a, &pair.b) {
             let keys = (&groups[index].key, &reference.key);
-            comparisons.push(compare(family, keys, &pair, window, resampling));
+            comparisons.push(compare(family, keys, &pair, options));
         }
     }
     for family in [TestFamily::Methods, TestFamily::Variants] {
-        let is_tested = |one: &&mut Comparison<'_>| one.family == family && one.welch.is_some();
+        let is_tested = |one: &&mut Comparison<'_>| one.family == family && one.p().is_some();
         let tested: Vec<&mut Comparison<'_>> = comparisons.iter_mut().filter(is_tested).collect();
         let level = ALPHA / tested.len().max(1) as f64;
-        let p_values: Vec<f64> = tested.iter().filter_map(|one| Some(one.welch?.p)).collect();
+        let p_values: Vec<f64> = tested.iter().filter_map(|one| one.p()).collect();
         for (one, adjusted) in tested.into_iter().zip(stats::holm(&p_values)) {
             one.p_holm = Some(adjusted);
             one.level = level;
-            one.power = one.effect_size.and_then(|d| stats::power(d, one.n.0.min(one.n.1) as u64, level));
-            one.needed_seeds = one.effect_size.and_then(|d| stats::needed_seeds(d, level, TARGET_POWER));
+            let seeds = one.n.0.min(one.n.1) as u64;
+            let d = stats::detectable_effect(seeds, level, TARGET_POWER);
+            // In `detectable` stands the spread so far.
+            one.detectable = one.detectable.zip(d).map(|(spread, d)| spread * d);
         }
     }
     comparisons
@@ -111,27 +135,45 @@ fn reference<'a, 'b>(
     index: usize,
 ) -> Option<(TestFamily, &'a Group<'b>)> {
     let key = &groups[index].key;
-    let here = |other: &Group<'_>| other.key.environment == key.environment;
-    if compared[index] {
-        let first = groups.iter().zip(compared).find(|(other, compared)| **compared && here(other))?.0;
-        return (first.key != *key).then_some((TestFamily::Methods, first));
-    }
-    let default = |other: &&Group<'_>| {
-        here(other) && other.key.curriculum == key.curriculum && other.key.variant == "default"
+    let here = || {
+        let all = groups.iter().zip(compared);
+        all.filter(|(other, _)| other.key.environment == key.environment)
     };
-    Some((TestFamily::Variants, groups.iter().find(default)?))
+    let of = |curriculum: &str, variant: &str| {
+        let is_it = |other: &&Group<'_>| other.key.is_of(curriculum) && other.key.variant == variant;
+        here().map(|(other, _)| other).find(is_it)
+    };
+    if compared[index] {
+        let first = here().find(|(_, compared)| **compared)?.0;
+        if first.key.curriculum != key.curriculum {
+            let same = of(&first.key.curriculum.id, &key.variant);
+            return Some((TestFamily::Methods, same.unwrap_or(first)));
+        }
+        if first.key == *key {
+            return None;
+        }
+    }
+    Some((TestFamily::Variants, of(&key.curriculum.id, "default").filter(|other| other.key != *key)?))
 }
 
 fn compare<'a>(
     family: TestFamily,
     (method, reference): (&'a GroupKey, &'a GroupKey),
     pair: &Pair<'_>,
-    window: usize,
-    resampling: Resampling,
+    options: &ReportOptions,
 ) -> Comparison<'a> {
-    let (ours, theirs) = (Finals::of(&pair.a, window), Finals::of(&pair.b, window));
+    let (ours, theirs) = (Finals::of(&pair.a, options.window), Finals::of(&pair.b, options.window));
     let (here, there, pairs) = (ours.scores(), theirs.scores(), ours.pairs(&theirs));
     let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
+    let wins: Vec<f64> = pairs.iter().map(|(a, b)| f64::from(i8::from(a > b) - i8::from(a < b))).collect();
+    let welch = stats::welch(&here, &there);
+    let is_tied = here.iter().chain(&there).all(|score| Some(score) == here.first());
+    let note = match (welch, here.len().min(there.len())) {
+        (Some(_), _) => None,
+        (None, 0 | 1) => Some(TOO_FEW),
+        (None, _) if is_tied => Some(TIED),
+        (None, _) => Some(NO_SPREAD),
+    };
     Comparison {
         family,
         method,
@@ -140,14 +182,22 @@ fn compare<'a>(
         left_out: pair.left_out,
         pairs: pairs.len(),
         difference: stats::mean(&differences),
-        difference_ci: stats::paired_interval(&pairs, resampling),
-        sign_flip: stats::sign_flip(&[&differences], resampling),
+        difference_ci: stats::paired_interval(&pairs, options.resampling),
+        sign_flip: stats::sign_flip(&[&differences], options.resampling),
+        improvement: stats::mean(&wins).map(|mean| (1.0 + mean) / 2.0),
+        improvement_p: stats::sign_flip(&[&wins], options.resampling).map(|test| test.p),
         probability_of_improvement: stats::probability_of_improvement(&[&here], &[&there]),
-        welch: stats::welch(&here, &there),
+        welch,
         p_holm: None,
         effect_size: stats::effect_size(&here, &there),
         level: ALPHA,
-        power: None,
-        needed_seeds: None,
+        detectable: spread(&here, &there),
+        note,
     }
+}
+
+/// The root mean square of both standard deviations; `None` where a side has fewer than two scores.
+fn spread(a: &[f64], b: &[f64]) -> Option<f64> {
+    let variance = |scores: &[f64]| Some(stats::std_dev(scores, Ddof::Sample)?.powi(2));
+    Some(f64::midpoint(variance(a)?, variance(b)?).sqrt())
 }

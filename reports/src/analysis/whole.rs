@@ -39,8 +39,10 @@ pub struct Analysis<'a> {
     pub comparisons: Vec<Comparison<'a>>,
     /// Ablations of every axis of the paper, in its order.
     pub ablations: Vec<Vec<Ablation<'a>>>,
-    /// The paper's claims.
+    /// The paper's claims, on its tasks.
     pub ledger: Vec<LedgerEntry>,
+    /// The same claims on other environments, where there are any.
+    pub ledger_elsewhere: Vec<LedgerEntry>,
     /// The ledger's claims about baselines under every reading of the paper; empty without a family of two.
     pub readings: Readings,
     /// What teachers did in mazes.
@@ -50,7 +52,7 @@ pub struct Analysis<'a> {
 impl<'a> Analysis<'a> {
     /// The analysis of the results folder `results`, which `store` holds and `groups` are of.
     pub fn of(results: &Path, store: &'a Store, groups: &'a Groups<'a>, options: &'a ReportOptions) -> Self {
-        let ReportOptions { window, resampling, ref catalogue } = *options;
+        let ReportOptions { window, resampling, ref catalogue, .. } = *options;
         let summary = |group: &Group<'_>| GroupSummary::of(group, window, resampling);
         let mut picks: Vec<_> = groups.all.iter().map(PickSummary::of).collect();
         if !picks.iter().any(PickSummary::tells) {
@@ -64,10 +66,11 @@ impl<'a> Analysis<'a> {
             summaries: groups.all.par_iter().filter_map(summary).collect(),
             picks,
             across: Across::of(groups, options),
-            comparisons: comparison::comparisons(&groups.all, &groups.compared, window, resampling),
+            comparisons: comparison::comparisons(&groups.all, &groups.compared, options),
             ablations: axes.iter().map(|axis| ablation::ablations(&groups.all, axis)).collect(),
-            ledger: ledger::ledger(&groups.all, catalogue, window, resampling),
-            readings: Readings::of(&groups.all, catalogue, window, resampling),
+            ledger: ledger::ledger(&groups.all, options),
+            ledger_elsewhere: ledger::ledger_elsewhere(&groups.all, options),
+            readings: Readings::of(&groups.all, options),
             heat: Heat::of(results, groups, &catalogue.mazes),
         }
     }

@@ -44,11 +44,11 @@ pub(super) fn effect<'c, R: 'c>(
     entry: fn(&R) -> Option<&LedgerEntry>,
     difference: &'static str,
     confidence: &'static str,
-) -> [Column<'c, R>; 10] {
+) -> Vec<Column<'c, R>> {
     let real = move |value: fn(&LedgerEntry) -> Option<f64>| move |row: &R| entry(row).and_then(value);
     let count =
         move |value: fn(&Effect) -> usize| move |row: &R| entry(row).map(|entry| value(&entry.effect) as u64);
-    [
+    vec![
         Column::real("effect", difference, real(|entry| entry.effect.difference)),
         Column::real(
             "ci_low",
@@ -62,20 +62,26 @@ pub(super) fn effect<'c, R: 'c>(
             "two-sided p-value of the sign-flip test of no difference, uncorrected",
             real(|entry| entry.effect.p),
         ),
-        Column::count(
-            "environments",
-            "environments with enough pairs",
-            count(|effect| effect.environments.len()),
+        Column::real(
+            "improvement",
+            "share of pairs in which the first side is ahead, ties one half, mean over environments",
+            real(|entry| entry.effect.improvement),
         ),
+        Column::real(
+            "improvement_p",
+            "two-sided p-value of the sign-flip test of the signs of the pairs, uncorrected",
+            real(|entry| entry.effect.improvement_p),
+        ),
+        Column::count("environments", "environments with a pair", count(|effect| effect.places.len())),
         Column::count(
             "environments_ahead",
             "those of them where the mean difference is above 0",
-            count(|effect| effect.ahead),
+            count(Effect::ahead),
         ),
         Column::count(
             "environments_behind",
             "those of them where it is below 0",
-            count(|effect| effect.behind),
+            count(Effect::behind),
         ),
         Column::count("pairs", "pairs of runs with the same seed in them", count(|effect| effect.pairs)),
         Column::count(

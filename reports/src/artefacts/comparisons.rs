@@ -5,10 +5,10 @@ use crate::analysis::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::cells::{
-    BOOTSTRAP_COVERAGE, UNDEFINED, decimal, or_undefined, p_value, thousands, with_interval,
+    BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, with_interval,
 };
 use crate::render::table::{Column, Sheet};
-use crate::stats::Resampling;
+use crate::stats::{MOST_ENUMERATED, Resampling};
 
 const SECTION: Section = Section::Named { id: "comparisons", title: "Comparisons" };
 
@@ -72,14 +72,39 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
 }
 
 /// Whether that is chance, and what it would take to know.
-fn tests<'a>() -> [Column<'a, Comparison<'a>>; 10] {
-    [
+fn tests<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    let mut columns = of_pairs();
+    columns.extend(of_all_runs());
+    columns
+}
+
+/// The tests that use the pairs.
+fn of_pairs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    vec![
         Column::real(
             "sign_flip_p",
-            "two-sided p-value of the exact sign-flip test of these pairs, uncorrected; not below 2^(1 - n_pairs)",
+            "two-sided p-value of the sign-flip test of these pairs, uncorrected; not below 2^(1 - n_pairs)",
             |row: &Comparison<'_>| row.sign_flip.map(|test| test.p),
         )
         .shown("p (sign flips)", |row| or_undefined(row.sign_flip, |test| p_value(test.p))),
+        Column::real(
+            "improvement",
+            "share of these pairs in which the method is ahead, ties one half",
+            |row: &Comparison<'_>| row.improvement,
+        )
+        .shown("Pairs ahead", |row| or_undefined(row.improvement, decimal)),
+        Column::real(
+            "improvement_p",
+            "two-sided p-value of the sign-flip test of the signs of these pairs, uncorrected",
+            |row: &Comparison<'_>| row.improvement_p,
+        )
+        .shown("p (signs)", |row| or_undefined(row.improvement_p, p_value)),
+    ]
+}
+
+/// The tests that take all runs of both sides.
+fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    vec![
         Column::real(
             "probability_of_improvement",
             "P(run of the method > run of the reference), ties one half",
@@ -97,7 +122,7 @@ fn tests<'a>() -> [Column<'a, Comparison<'a>>; 10] {
         }),
         Column::real(
             "p_holm",
-            "the p-value corrected by Holm's method for all comparisons of its family",
+            "the p-value corrected by Holm's method for all comparisons of its family; 1 where all scores are equal",
             |row: &Comparison<'_>| row.p_holm,
         )
         .shown("p (Holm)", |row| or_undefined(row.p_holm, p_value)),
@@ -108,32 +133,35 @@ fn tests<'a>() -> [Column<'a, Comparison<'a>>; 10] {
             |row: &Comparison<'_>| row.level,
         ),
         Column::real(
-            "power",
-            "power of the t-test at that level to find an effect of that size with the seeds at hand",
-            |row: &Comparison<'_>| row.power,
+            "detectable",
+            "smallest true difference of success rates that Welch's test finds at that level with a power of 0.8, given \
+             the fewer seeds of both sides and their spread; above 1: none",
+            |row: &Comparison<'_>| row.p_holm.and(row.detectable),
         )
-        .shown("Power", |row| or_undefined(row.power, decimal)),
-        Column::count(
-            "needed_seeds",
-            "seeds on each side to find it; empty above 10,000",
-            |row: &Comparison<'_>| row.needed_seeds,
-        )
-        .shown("Seeds needed", |row| or_undefined(row.needed_seeds, thousands)),
+        .shown("Detectable", |row| or_undefined(row.p_holm.and(row.detectable), decimal)),
+        Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| {
+            row.note.map(str::to_owned)
+        })
+        .shown("Note", |row| row.note.unwrap_or_default().to_owned()),
     ]
 }
 
 fn caption(resampling: Resampling) -> String {
     format!(
         "Final success of each method against the first method of its environment, and of each variant of a method \
-         against its default, from finished runs of the same evaluations. Difference: method minus reference, mean over \
-         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): exact \
-         test of these pairs, uncorrected; it cannot fall below 0.016 for 7 pairs. P(improvement): probability that a \
-         random run of the method scores above one of the reference, ties counting one half. p (Holm): Welch's two-sided \
-         t-test, which does not use the pairs, corrected by Holm's method for all comparisons of methods, and for all of \
-         variants; {UNDEFINED} where neither side varies. Variants whose runs are those of the reference evaluation by \
-         evaluation are left out. Power: to find an effect of the observed size with the seeds at hand at the strictest \
-         level of that correction ({ALPHA} over the number of tests); an observed effect makes it optimistic. Seeds \
-         needed: on each side, for a power of {TARGET_POWER} at that level; {UNDEFINED} for more than 10,000.",
+         against its default, from finished runs of the same evaluations. A variant that several methods have is set \
+         against the same variant of the first method, where that has it. Difference: method minus reference, mean over \
+         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): test \
+         of these pairs, uncorrected, whose null is that the two runs of a pair are exchangeable: exact up to \
+         {MOST_ENUMERATED} pairs, of more from {} random flips; it cannot fall below 0.016 for 7 pairs. Pairs ahead: share \
+         of the pairs in which the method is ahead, ties one half; p (signs): the same test of these signs alone, which a \
+         few collapsed runs cannot decide. P(improvement): probability that a random run of the method scores above one of \
+         the reference. p (Holm): Welch's two-sided t-test, which does not use the pairs, corrected by Holm's method for \
+         all comparisons of methods, and for all of variants; 1 where all scores are equal. Variants whose runs are those \
+         of the reference evaluation by evaluation are left out. Detectable: the smallest true difference of success rates \
+         that this test finds with a power of {TARGET_POWER}, given the seeds at hand and their spread, at the strictest \
+         level of that correction ({ALPHA} over the number of tests).",
         columns::percent(resampling.confidence),
+        resampling.resamples,
     )
 }

@@ -1,19 +1,37 @@
 //! The ledger of the paper's claims.
 
 use super::{Artefact, Section, columns};
-use crate::analysis::ledger::{FEWEST_PAIRS, LedgerEntry};
+use crate::analysis::ledger::LedgerEntry;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{or_undefined, with_interval};
+use crate::render::table::cells::{decimal, or_undefined, p_value, with_interval};
 use crate::render::table::{Column, Sheet};
+use crate::stats::MOST_ENUMERATED;
 
 const SECTION: Section = Section::Named { id: "ledger", title: "Claims of the paper" };
 
 pub(super) const ROW: Artefact = Artefact::table("ledger", SECTION, "claim of the paper", sheet);
 
+const ELSEWHERE: Section =
+    Section::Named { id: "ledger-elsewhere", title: "The same claims in environments outside the paper" };
+
+pub(super) const ROW_ELSEWHERE: Artefact = Artefact::table(
+    "ledger-elsewhere",
+    ELSEWHERE,
+    "claim of the paper on environments that are none of its tasks",
+    sheet_elsewhere,
+);
+
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     Sheet::of(caption(analysis.options), &analysis.ledger, &columns())
+}
+
+fn sheet_elsewhere(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
+    let caption = "The paper's claims judged by the same rules on the environments here that are none of its tasks. The \
+                   paper says nothing of them: no verdict of its ledger rests on these. Claims without any runs are left \
+                   out.";
+    Sheet::of(caption.to_owned(), &analysis.ledger_elsewhere, &columns())
 }
 
 fn columns() -> Vec<Column<'static, LedgerEntry>> {
@@ -25,13 +43,13 @@ fn columns() -> Vec<Column<'static, LedgerEntry>> {
         Column::text("statement", "the claim as a testable statement", |row: &LedgerEntry| {
             row.statement.clone()
         }),
-        Column::text("verdict", "`confirmed`, `refuted` or `undecided`", |row: &LedgerEntry| {
+        Column::text("verdict", "`confirmed`, `refuted`, `undecided` or `not testable`", |row: &LedgerEntry| {
             row.verdict.as_str().to_owned()
         })
         .named("Verdict", |row| row.verdict.as_str().to_owned()),
         Column::text(
             "value",
-            "the value whose effect decides, where the claim is about several; else empty",
+            "the value whose effect decides, with its environment where each is judged; else empty",
             |row: &LedgerEntry| row.value.clone(),
         ),
     ];
@@ -46,10 +64,14 @@ fn columns() -> Vec<Column<'static, LedgerEntry>> {
         })
         .named("Evidence", |row| row.evidence.clone()),
         Column::text("rule", "when the claim counts as confirmed or refuted", |row: &LedgerEntry| {
-            row.rule.to_owned()
+            row.rule.clone()
         })
-        .named("Rule", |row| row.rule.to_owned()),
+        .named("Rule", |row| row.rule.clone()),
         Column::only_shown("Effect", effect),
+        Column::only_shown("Pairs ahead", |row: &LedgerEntry| {
+            let shares = row.effect.improvement.zip(row.effect.improvement_p);
+            or_undefined(shares, |(share, p)| format!("{} (p = {})", decimal(share), p_value(p)))
+        }),
     ]);
     columns
 }
@@ -61,16 +83,21 @@ fn effect(row: &LedgerEntry) -> String {
 }
 
 fn caption(options: &ReportOptions) -> String {
-    let ReportOptions { window, resampling, .. } = options;
+    let ReportOptions { window, resampling, margin, fewest_pairs, .. } = options;
     format!(
-        "The paper's claims on the data at hand, from finished runs of the same evaluations; others are left out and \
-         counted. Effect: difference of success rates (final ones over the last {window} evaluations, or areas under \
-         the curve), mean over environments of the mean over pairs of runs with the same seed; of several the one that \
-         the verdict hangs on, named. Brackets: what the exact sign-flip test of these pairs does not refuse, at {} % \
-         together for claims of one kind (Bonferroni's correction); none where there are too few pairs for the test to \
-         refuse anything. Environments with fewer than {FEWEST_PAIRS} pairs are left out. So are values of a setting \
-         whose runs are those of the reference evaluation by evaluation: they come to the same in the method, are \
-         neither better nor worse, and count for no correction.",
+        "The paper's claims on the data at hand, from comparable runs on the paper's tasks; others are left out and counted. \
+         Effect: difference of success rates (final ones over the last {window} evaluations, or areas under the curve), \
+         mean over environments of the mean over pairs of runs with the same seed; of several the one that the verdict \
+         hangs on, named, with its environment where a claim is judged in each. Brackets: what the sign-flip test of these \
+         pairs does not refuse, at {} % together for claims of one kind (Bonferroni's correction); none where there are \
+         too few pairs for the test to refuse anything. Its null is that the two runs of a pair are exchangeable; it is \
+         exact up to {MOST_ENUMERATED} pairs, of more it draws {} flips. Pairs ahead: the share of pairs in which the first \
+         side is ahead, ties one half, and p of the same test of these signs. A verdict on an average needs means and \
+         signs to agree. No difference: within ±{margin} in every environment. All pairs count in the test, at least \
+         {fewest_pairs} in all are needed, and environments with fewer are named. Values of a setting whose runs are those \
+         of the reference evaluation by evaluation come to the same in the method: they are not tested and count for no \
+         correction.",
         columns::percent(resampling.confidence),
+        resampling.resamples,
     )
 }

@@ -47,6 +47,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     costs::ROW,
     teaching::ROW,
     ledger::ROW,
+    ledger::ROW_ELSEWHERE,
     readings::ROW,
     intervals::ROW,
     profiles::ROW,

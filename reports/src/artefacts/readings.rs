@@ -1,7 +1,7 @@
 //! The claims about baselines under every reading of the paper.
 
 use super::{Artefact, Section, columns};
-use crate::analysis::ledger::{FEWEST_PAIRS, LedgerEntry};
+use crate::analysis::ledger::LedgerEntry;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::readings::{JudgedClaim, ReadingFamily, Readings};
 use crate::analysis::whole::Analysis;
@@ -139,7 +139,7 @@ fn by_family(readings: &Readings, environments: impl Fn(&ReadingFamily) -> &[Str
 }
 
 fn caption(analysis: &Analysis<'_>) -> String {
-    let Analysis { readings, options: ReportOptions { window, resampling, .. }, .. } = analysis;
+    let Analysis { readings, options: ReportOptions { window, resampling, fewest_pairs, .. }, .. } = analysis;
     let method = analysis.catalogue().title(&analysis.paper().method);
     let left_out = match by_family(readings, |family| &family.left_out) {
         names if names.is_empty() => names,
@@ -152,7 +152,7 @@ fn caption(analysis: &Analysis<'_>) -> String {
          claim, which names those that are not the default ones. {method} under each is set against the baseline's runs of \
          the same settings outside the curriculum, evaluation goals included, by the rule and the test of the ledger: \
          final success over the last {window} evaluations or area under the curve, finished runs of the same evaluations, \
-         environments with at least {FEWEST_PAIRS} pairs. p: of the exact sign-flip test, uncorrected. Brackets: what the \
+         at least {fewest_pairs} pairs in all. p: of the sign-flip test, uncorrected. Brackets: what the \
          test does not refuse, at {} % together for the readings of one claim (Bonferroni's correction: the level over the \
          number of readings). Readings with different verdicts need not differ from each other: one that is undecided may \
          only lack runs.",

@@ -17,8 +17,8 @@ pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified
 pub use moments::{Ddof, mean, std_dev};
 pub use order::{iqm, median, quantile};
 pub use permutation::{Permutation, permutation, permutations};
-pub use power::{effect_size, needed_seeds, power};
+pub use power::{detectable_effect, effect_size, power};
 pub use proportion::wilson_interval;
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};
 pub use sign_flip::{MOST_ENUMERATED, SignFlip, lowest_sign_flip_p, sign_flip};
-pub use welch::{Welch, holm, welch};
+pub use welch::{Welch, hochberg, holm, welch};

@@ -1,4 +1,4 @@
-//! How many seeds a comparison needs.
+//! What effect a comparison of so many seeds can find.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use statrs::function::gamma::ln_gamma;
@@ -40,28 +40,32 @@ pub fn power(d: f64, n: u64, alpha: f64) -> Option<f64> {
     Some(noncentral_t_tails(critical, df, noncentrality))
 }
 
-/// The most seeds per side that [`needed_seeds`] considers.
-const MOST_SEEDS: u64 = 10_000;
+/// Effects above this are no longer searched by [`detectable_effect`].
+const LARGEST_EFFECT: f64 = 1e4;
 
-/// The fewest seeds on each side with which [`power`] is at least `target`; `None` if even 10,000 are too
-/// few, or where power is undefined.
+/// The smallest effect size (Cohen's d) at which [`power`] with `n` seeds on each side is `target`: what a
+/// design can find, whatever it has found. `None` where power is undefined, or stays lower at any effect up to
+/// 10,000. A `target` below `alpha` is reached without an effect.
 ///
 /// ```
-/// use reports::stats::{needed_seeds, power};
+/// use reports::stats::{detectable_effect, power};
 ///
-/// let seeds = needed_seeds(1.0, 0.05, 0.8).unwrap();
-/// assert!(power(1.0, seeds, 0.05).unwrap() >= 0.8 && power(1.0, seeds - 1, 0.05).unwrap() < 0.8);
+/// let d = detectable_effect(7, 0.05, 0.8).unwrap();
+/// assert!((power(d, 7, 0.05).unwrap() - 0.8).abs() < 1e-9);
 /// ```
-pub fn needed_seeds(d: f64, alpha: f64, target: f64) -> Option<u64> {
-    let enough = |n: u64| power(d, n, alpha).map(|power| power >= target);
-    if !enough(MOST_SEEDS)? {
-        return None;
+pub fn detectable_effect(n: u64, alpha: f64, target: f64) -> Option<f64> {
+    let is_enough = |d: f64| power(d, n, alpha).map(|power| power >= target);
+    let (mut low, mut high) = (0.0, 1.0);
+    while !is_enough(high)? {
+        (low, high) = (high, 2.0 * high);
+        if high > LARGEST_EFFECT {
+            return None;
+        }
     }
-    // Power grows with n.
-    let (mut low, mut high) = (1, MOST_SEEDS);
-    while high - low > 1 {
-        let middle = low.midpoint(high);
-        if enough(middle)? { high = middle } else { low = middle }
+    // Power grows with d; 60 halvings leave less than a rounding error.
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if is_enough(middle)? { high = middle } else { low = middle }
     }
     Some(high)
 }
@@ -128,11 +132,12 @@ mod tests {
     }
 
     #[test]
-    fn needed_seeds_are_the_fewest() {
-        let n = needed_seeds(1.2, 0.05, 0.8).unwrap();
-        assert!(power(1.2, n, 0.05).unwrap() >= 0.8);
-        assert!(power(1.2, n - 1, 0.05).unwrap() < 0.8);
-        assert_eq!(needed_seeds(0.0, 0.05, 0.8), None);
+    fn the_detectable_effect_has_the_power_asked_for() {
+        for (n, alpha) in [(2, 0.05), (7, 0.0125), (100, 0.05)] {
+            let d = detectable_effect(n, alpha, 0.8).unwrap();
+            assert!((power(d, n, alpha).unwrap() - 0.8).abs() < 1e-9, "n = {n}");
+        }
+        assert_eq!(detectable_effect(1, 0.05, 0.8), None);
         assert_eq!(power(1.0, 1, 0.05), None);
     }
 }

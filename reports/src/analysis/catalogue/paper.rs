@@ -34,6 +34,11 @@ impl Paper {
         own.into_iter().chain(self.baselines.iter().map(String::as_str))
     }
 
+    /// Whether an environment is one of its tasks. A paper that names none has all.
+    pub fn has_task(&self, environment: &str) -> bool {
+        self.tasks.is_empty() || self.tasks.iter().flatten().any(|id| id == environment)
+    }
+
     /// The axis with this id.
     pub fn axis(&self, id: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.id == id)
@@ -71,36 +76,66 @@ pub struct Claim {
     pub source: &'static str,
     /// What is claimed; `{baseline}` stands for the title of a baseline.
     pub statement: &'static str,
+    /// The tasks that it is about.
+    pub scope: Scope,
     /// What it is about.
     pub kind: ClaimKind,
+}
+
+/// The tasks that a claim is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// All of the paper.
+    All,
+    /// Those whose goals have at most this dimension ([`EnvironmentInfo::goal`](super::EnvironmentInfo)).
+    GoalsUpTo(usize),
+    /// Those whose goals have at least this dimension.
+    GoalsFrom(usize),
+    /// The environments with these ids.
+    Only(&'static [&'static str]),
 }
 
 /// The kinds of claims that can be judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClaimKind {
-    /// The paper's method is above each of its baselines: one entry of the ledger per baseline.
+    /// The paper's method is above each of its baselines on average: one entry of the ledger per baseline.
     AboveBaselines(Measure),
-    /// The values of a field against the paper's own one, by the final score.
+    /// The paper's method is above the control that the paper lacks, on average.
+    AboveControl(Measure),
+    /// The paper's method is above each of its baselines wherever one looks, by the final score: one entry
+    /// per baseline.
+    Consistent,
+    /// The values of a field against the paper's own one.
     Values {
         /// [`Axis::id`] of the field.
         axis: &'static str,
         /// The values that the claim is about, best first: it rests on the first that any run has, the others
         /// are shown and not tested. Empty: it rests on every value.
         about: &'static [&'static str],
+        /// What runs are compared by.
+        measure: Measure,
         /// When it counts as confirmed or refuted.
         rule: Rule,
     },
+    /// No run of this program can tell, and why.
+    Untestable(&'static str),
 }
 
 /// When a claim about the values of a field counts as confirmed or refuted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// "None is any better than the paper's own".
+    /// "None is any better than the paper's own", on average and in any environment.
     NotAbove,
-    /// "It makes no difference".
+    /// "It makes no difference", in any environment.
     Equivalent,
-    /// "At least one is better than the paper's own".
+    /// "At least one is above the paper's own", on average.
     SomeAbove,
+    /// "At least one is below the paper's own", on average.
+    SomeBelow,
+    /// "One is better than the paper's own in one environment and worse in another".
+    Mixed,
+    /// "The paper's own is better than every other in some environment".
+    SomewhereBest,
 }
 
 /// What a run is judged by.
@@ -110,6 +145,9 @@ pub enum Measure {
     Final,
     /// The area under the learning curve.
     Area,
+    /// The noise of the learning curve: the mean size of the change of the success rate from an evaluation to
+    /// the next.
+    Noise,
 }
 
 /// A place where the paper can be read in more than one way.

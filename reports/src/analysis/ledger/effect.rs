@@ -1,44 +1,132 @@
 //! The difference between two ways to train, over environments, from runs paired by seed.
 
+use super::students;
 use super::verdict::Interval;
 use crate::analysis::catalogue::Measure;
 use crate::analysis::complete::Pair;
 use crate::analysis::group;
+use crate::analysis::options::ReportOptions;
 use crate::analysis::scores;
+use crate::schema::Record;
 use crate::stats::{self, Resampling};
 use crate::store::Run;
-
-/// Environments with fewer seeds that both sides have are left out: a mean of so few says little about an
-/// environment.
-pub const FEWEST_PAIRS: usize = 5;
 
 /// A mean difference of success rates and what it rests on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effect {
-    /// Mean over environments of the mean paired difference; `None` without an environment.
+    /// Mean over environments of the mean paired difference; `None` without a pair.
     pub difference: Option<f64>,
     /// Two-sided p-value of the sign-flip test of no difference ([`stats::sign_flip`]), uncorrected.
     pub p: Option<f64>,
     /// The interval that inverts that test; `None` where there are too few pairs for one.
     pub interval: Interval,
-    /// Environments with at least [`FEWEST_PAIRS`] pairs.
-    pub environments: Vec<String>,
-    /// Those of them where the mean difference is above 0.
-    pub ahead: usize,
-    /// Those of them where it is below 0.
-    pub behind: usize,
+    /// Probability of improvement within pairs: the share of pairs in which the first side is ahead, ties
+    /// counting one half, mean over environments.
+    pub improvement: Option<f64>,
+    /// Two-sided p-value of the sign-flip test of the signs of the pairs, uncorrected.
+    pub improvement_p: Option<f64>,
+    /// Environments with a pair, with their pairs.
+    pub places: Vec<PlaceEffect>,
     /// Pairs in all of them.
     pub pairs: usize,
     /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the
     /// others.
     pub left_out: usize,
+    /// Environments that are not judged: no seed of both sides, or different students. With the reason.
+    pub not_judged: Vec<String>,
+}
+
+/// What one environment says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceEffect {
+    /// Environment id.
+    pub environment: String,
+    /// The difference of every pair, by seed. Shape: one number in [-1, 1] per pair; at least one.
+    pub differences: Vec<f64>,
+    /// Their mean.
+    pub difference: f64,
+}
+
+impl PlaceEffect {
+    fn of(environment: &str, differences: Vec<f64>) -> Option<Self> {
+        let difference = stats::mean(&differences)?;
+        Some(Self { environment: environment.to_owned(), differences, difference })
+    }
+
+    /// The interval of the sign-flip test of this environment alone.
+    pub(super) fn interval(&self, resampling: Resampling) -> Interval {
+        stats::sign_flip(&[&self.differences], resampling)?.interval
+    }
+
+    /// `MazeA (+0.23)`.
+    pub(super) fn named(&self) -> String {
+        format!("{} ({:+.2})", self.environment, self.difference)
+    }
+
+    /// -1, 0 or 1: which side is ahead here. A mean of rounding errors alone is neither.
+    fn direction(&self) -> f64 {
+        sign(self.difference)
+    }
+}
+
+/// -1, 0 or 1. A difference of rounding errors alone is none.
+pub(super) fn sign(difference: f64) -> f64 {
+    if difference.abs() <= 1e-12 { 0.0 } else { difference.signum() }
+}
+
+pub(super) fn signs(differences: &[f64]) -> Vec<f64> {
+    differences.iter().copied().map(sign).collect()
 }
 
 impl Effect {
+    /// The effect over these environments.
+    pub(super) fn over(places: Vec<PlaceEffect>, resampling: Resampling) -> Self {
+        let strata: Vec<&[f64]> = places.iter().map(|place| place.differences.as_slice()).collect();
+        let means: Vec<f64> = places.iter().map(|place| place.difference).collect();
+        let signs: Vec<Vec<f64>> = strata.iter().map(|differences| signs(differences)).collect();
+        let sign_means: Option<Vec<f64>> = signs.iter().map(|signs| stats::mean(signs)).collect();
+        let signs: Vec<&[f64]> = signs.iter().map(Vec::as_slice).collect();
+        let test = stats::sign_flip(&strata, resampling);
+        Self {
+            difference: stats::mean(&means),
+            p: test.map(|test| test.p),
+            interval: test.and_then(|test| test.interval),
+            improvement: sign_means.and_then(|means| stats::mean(&means)).map(|mean| (1.0 + mean) / 2.0),
+            improvement_p: stats::sign_flip(&signs, resampling).map(|test| test.p),
+            pairs: strata.iter().map(|stratum| stratum.len()).sum(),
+            places,
+            ..Self::default()
+        }
+    }
+
+    /// Ids of the environments with a pair.
+    pub fn environments(&self) -> Vec<&str> {
+        self.places.iter().map(|place| place.environment.as_str()).collect()
+    }
+
+    /// Environments where the mean difference is above 0.
+    pub fn ahead(&self) -> usize {
+        self.places.iter().filter(|place| place.direction() > 0.0).count()
+    }
+
+    /// Environments where it is below 0.
+    pub fn behind(&self) -> usize {
+        self.places.iter().filter(|place| place.direction() < 0.0).count()
+    }
+
+    /// Whether there are too few pairs for a verdict.
+    pub(super) fn is_small(&self, options: &ReportOptions) -> bool {
+        self.pairs < options.fewest_pairs
+    }
+
     /// What to say where the claim cannot be tested, and why; `None` where it can.
-    pub(super) fn lack(&self, resampling: Resampling) -> Option<String> {
-        if self.environments.is_empty() {
-            return Some(format!("no environment with {FEWEST_PAIRS} seeds of both"));
+    pub(super) fn lack(&self, options: &ReportOptions, resampling: Resampling) -> Option<String> {
+        if self.pairs == 0 {
+            return Some("no pair of runs with the same seed".to_owned());
+        }
+        if self.is_small(options) {
+            let few = if self.pairs == 1 { "1 pair".to_owned() } else { format!("{} pairs", self.pairs) };
+            return Some(format!("too few seeds: {few} of runs, {} are needed", options.fewest_pairs));
         }
         self.interval.is_none().then(|| {
             let lowest = stats::lowest_sign_flip_p(self.pairs, resampling);
@@ -50,9 +138,27 @@ impl Effect {
         })
     }
 
-    /// `; 3 unfinished runs left out`, or nothing.
-    pub(super) fn remark(&self) -> String {
-        match self.left_out {
+    /// What a reader should know of the pairs: `; few pairs: MazeA (4, -0.80); 3 runs left out ...`, or
+    /// nothing.
+    pub(super) fn remark(&self, options: &ReportOptions) -> String {
+        let few: Vec<&PlaceEffect> =
+            self.places.iter().filter(|place| place.differences.len() < options.fewest_pairs).collect();
+        let mut text = String::new();
+        if few.len() == self.places.len() && few.len() > 1 {
+            text += &format!("; fewer than {} pairs in each environment", options.fewest_pairs);
+        } else if !few.is_empty() {
+            let named = |place: &&PlaceEffect| {
+                format!("{} ({}, {:+.2})", place.environment, place.differences.len(), place.difference)
+            };
+            text += &format!("; few pairs: {}", few.iter().map(named).collect::<Vec<_>>().join(", "));
+        }
+        if self.pairs > stats::MOST_ENUMERATED {
+            text += &format!("; p from {} random flips", options.resampling.resamples);
+        }
+        if !self.not_judged.is_empty() {
+            text += &format!("; not judged: {}", self.not_judged.join(", "));
+        }
+        text + &match self.left_out {
             0 => String::new(),
             1 => "; 1 run left out, not finished or with other evaluations".to_owned(),
             k => format!("; {k} runs left out, not finished or with other evaluations"),
@@ -60,38 +166,45 @@ impl Effect {
     }
 }
 
-/// The effect of `a` against `b` over `pairs` of groups, one per environment.
-pub(super) fn effect(pairs: &[Pair<'_>], measure: Measure, window: usize, resampling: Resampling) -> Effect {
-    let mut strata = Vec::new();
-    let mut environments = Vec::new();
+/// The effect of `a` against `b` over `pairs` of groups, one per environment. Runs of different students are
+/// left out unless the options say otherwise.
+pub(super) fn effect(
+    pairs: &[Pair<'_>],
+    measure: Measure,
+    options: &ReportOptions,
+    resampling: Resampling,
+) -> Effect {
+    let mut places = Vec::new();
+    let mut not_judged = Vec::new();
     for pair in pairs {
-        let differences = differences(pair, measure, window);
-        if differences.len() >= FEWEST_PAIRS {
-            strata.push(differences);
-            environments.push(pair.a.key.environment.clone());
+        let environment = &pair.a.key.environment;
+        let unlike = if options.mixed_students { None } else { students::unlike(pair, &options.catalogue.paper) };
+        if let Some(settings) = unlike {
+            not_judged.push(format!("{environment} (different students: {settings})"));
+            continue;
+        }
+        match PlaceEffect::of(environment, differences(pair, measure, options)) {
+            Some(place) => places.push(place),
+            None => not_judged.push(format!("{environment} (no seed of both)")),
         }
     }
-    let slices: Vec<&[f64]> = strata.iter().map(Vec::as_slice).collect();
-    let means: Vec<f64> = slices.iter().filter_map(|stratum| stats::mean(stratum)).collect();
-    let test = stats::sign_flip(&slices, resampling);
-    Effect {
-        difference: stats::mean(&means),
-        p: test.map(|test| test.p),
-        interval: test.and_then(|test| test.interval),
-        // A mean of rounding errors alone is neither.
-        ahead: means.iter().filter(|mean| **mean > 1e-12).count(),
-        behind: means.iter().filter(|mean| **mean < -1e-12).count(),
-        pairs: strata.iter().map(Vec::len).sum(),
-        environments,
-        left_out: pairs.iter().map(|pair| pair.left_out).sum(),
-    }
+    let left_out = pairs.iter().map(|pair| pair.left_out).sum();
+    Effect { left_out, not_judged, ..Effect::over(places, resampling) }
 }
 
 /// `a - b` for every seed that both have.
-fn differences(pair: &Pair<'_>, measure: Measure, window: usize) -> Vec<f64> {
+fn differences(pair: &Pair<'_>, measure: Measure, options: &ReportOptions) -> Vec<f64> {
     let score = |run: &Run| match measure {
-        Measure::Final => scores::final_score(&run.records, window),
+        Measure::Final => scores::final_score(&run.records, options.window),
         Measure::Area => scores::area_under_curve(&run.records),
+        Measure::Noise => noise(&run.records),
     };
     group::shared_seeds(&pair.a, &pair.b).filter_map(|(a, b)| Some(score(a)? - score(b)?)).collect()
+}
+
+/// Mean size of the change of the success rate from an evaluation to the next; `None` for fewer than two.
+fn noise(records: &[Record]) -> Option<f64> {
+    let changes: Vec<f64> =
+        records.windows(2).map(|two| (two[1].success_rate - two[0].success_rate).abs()).collect();
+    stats::mean(&changes)
 }

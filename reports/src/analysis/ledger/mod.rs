@@ -1,24 +1,32 @@
 //! The claims of a paper as testable statements, each with a verdict on the data at hand.
 //!
-//! Finished runs of the same evaluations are compared, paired by seed, by the exact sign-flip test
-//! ([`stats::sign_flip`](crate::stats::sign_flip)); overlap of bands never counts. A verdict reads the
-//! interval that inverts the test: what lies outside is refused. Where a claim (or a family of claims of one
-//! kind) looks at several intervals, each is widened by Bonferroni's correction, so that all of them together
-//! keep the confidence.
+//! Comparable runs are compared, paired by seed, by the sign-flip test
+//! ([`stats::sign_flip`](crate::stats::sign_flip)) over all pairs, in strata of one per environment; overlap
+//! of bands never counts. Its null is that the two runs of a pair are exchangeable. A verdict on an average
+//! reads the interval that inverts the test (what lies outside is refused), and needs the same test of the
+//! pairs' signs to say the same: means can be the work of a few collapsed runs. Claims of no difference are
+//! judged in every environment, for averages hide differences of opposite sign.
+//!
+//! Where a claim (or a family of claims of one kind) looks at several intervals, each is widened by
+//! Bonferroni's correction, so that all of them together keep the confidence; over environments, which share
+//! no runs, by Hochberg's.
 
 mod effect;
+mod rules;
+mod students;
+mod values;
 mod verdict;
 mod versus;
 
-pub use effect::{Effect, FEWEST_PAIRS};
-pub use verdict::{MARGIN, Verdict};
-pub(crate) use versus::{Above, corrected};
+pub use effect::{Effect, PlaceEffect};
+pub use verdict::Verdict;
+pub(crate) use versus::{Versus, corrected};
 
-use crate::analysis::ablation::{self, Ablation, Level};
-use crate::analysis::catalogue::{Axis, Catalogue, Claim, ClaimKind, Measure, Rule};
+use crate::analysis::catalogue::{Claim, ClaimKind, EnvironmentInfo, Measure, Scope};
 use crate::analysis::complete::Pair;
-use crate::analysis::group::{self, Group};
-use crate::stats::Resampling;
+use crate::analysis::group::Group;
+use crate::analysis::options::ReportOptions;
+use values::Values;
 
 /// A claim and its verdict.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,211 +38,127 @@ pub struct LedgerEntry {
     /// What is claimed, as a statement that data can contradict.
     pub statement: String,
     /// When it counts as confirmed or refuted.
-    pub rule: &'static str,
+    pub rule: String,
     /// What the data say.
     pub verdict: Verdict,
-    /// The value whose effect decides, where the claim is about several: `Δ = 5`.
+    /// The value whose effect decides, where the claim is about several: `Δ = 5`; with its environment where
+    /// each is judged: `n = 3 in MazeA`.
     pub value: Option<String>,
     /// The difference that decides: of several the one that the verdict hangs on.
     pub effect: Effect,
-    /// Coverage of each interval after the correction.
+    /// Coverage of its interval after the correction.
     pub confidence: f64,
     /// What the verdict rests on, or what is missing for one.
     pub evidence: String,
 }
 
-/// The whole ledger: every claim of the catalogue's paper, also those that the data say nothing about.
-/// `groups` come in order.
-pub fn ledger(
-    groups: &[Group<'_>],
-    catalogue: &Catalogue,
-    window: usize,
-    resampling: Resampling,
-) -> Vec<LedgerEntry> {
-    let judge = Judge { groups, catalogue, window, resampling };
-    let judged = |claim: &Claim| match claim.kind {
-        ClaimKind::AboveBaselines(measure) => judge.above_baselines(claim, measure),
-        ClaimKind::Values { axis, about, rule } => {
-            let axis = catalogue.paper.axis(axis);
-            axis.map(|axis| judge.values(claim, &Values { axis, about, rule })).into_iter().collect()
-        }
-    };
-    catalogue.paper.claims.iter().flat_map(judged).collect()
+/// The whole ledger: every claim of the catalogue's paper on the paper's tasks, also those claims that the
+/// data say nothing about. `groups` come in order; those of other environments decide nothing.
+pub fn ledger(groups: &[Group<'_>], options: &ReportOptions) -> Vec<LedgerEntry> {
+    Judge { groups: &of_tasks(groups, options, true), options }.judge()
 }
 
-/// What a claim about the values of a field says of them.
-struct Values<'a> {
-    axis: &'a Axis,
-    about: &'a [&'static str],
-    rule: Rule,
+/// The same claims on the environments that are none of the paper's tasks; of the claims only those that
+/// these have runs for. The paper says nothing of them.
+pub fn ledger_elsewhere(groups: &[Group<'_>], options: &ReportOptions) -> Vec<LedgerEntry> {
+    let mut entries = Judge { groups: &of_tasks(groups, options, false), options }.judge();
+    entries.retain(|entry| entry.effect.pairs > 0);
+    entries
 }
 
-/// A value of a field, and runs with it paired with runs of the paper's own value.
-type Candidate<'a> = (String, Vec<Pair<'a>>);
+/// The groups of the paper's tasks, or all others.
+pub(crate) fn of_tasks<'a>(groups: &[Group<'a>], options: &ReportOptions, inside: bool) -> Vec<Group<'a>> {
+    let paper = &options.catalogue.paper;
+    let of_it = |group: &&Group<'a>| paper.has_task(&group.key.environment) == inside;
+    groups.iter().filter(of_it).cloned().collect()
+}
 
 /// What claims are judged by.
 struct Judge<'a> {
     groups: &'a [Group<'a>],
-    catalogue: &'a Catalogue,
-    window: usize,
-    resampling: Resampling,
+    options: &'a ReportOptions,
 }
 
 impl Judge<'_> {
-    /// The paper's method against each of its baselines, in every environment that has both with default
-    /// settings.
-    fn above_baselines(&self, claim: &Claim, measure: Measure) -> Vec<LedgerEntry> {
-        let paper = &self.catalogue.paper;
-        let resampling = corrected(self.resampling, paper.baselines.len());
-        let default = |environment: &str, curriculum: &str| {
-            self.groups.iter().find(|group| {
-                let key = &group.key;
-                (key.environment.as_str(), key.curriculum.id.as_str(), key.variant.as_str())
-                    == (environment, curriculum, "default")
-            })
-        };
-        let own = || {
-            let own = self.groups.iter().filter(|group| group.key.is_of(&paper.method));
-            own.filter(|group| group.key.variant == "default")
-        };
-        let judged = |baseline: &String| {
-            let pairs: Vec<Pair<'_>> = own()
-                .filter_map(|group| Some(Pair::of(group, default(&group.key.environment, baseline)?)))
-                .collect();
-            let claim = Above { claim, measure, baseline, title: &self.catalogue.title(baseline) };
-            claim.judge(&pairs, self.window, resampling)
-        };
-        paper.baselines.iter().map(judged).collect()
+    fn judge(&self) -> Vec<LedgerEntry> {
+        self.options.catalogue.paper.claims.iter().flat_map(|claim| self.claim(claim)).collect()
     }
 
-    /// The values of a field against the paper's own one.
-    fn values(&self, claim: &Claim, Values { axis, about, rule }: &Values<'_>) -> LedgerEntry {
-        let Axis { symbol, reference, .. } = axis;
-        let ablations = ablation::ablations(self.groups, axis);
-        let preferred = about.first().copied();
-        let chosen = about.iter().copied().find(|value| self.has(axis, value));
-        let (repeats, others) = self.candidates(&ablations, reference, chosen);
-        let is_tested = |value: &str| about.is_empty() || chosen == Some(value);
-        let (tested, extras): (Vec<_>, Vec<_>) = others.into_iter().partition(|(value, _)| is_tested(value));
-        let effects = |values: Vec<Candidate<'_>>, resampling| -> Vec<(String, Effect)> {
-            let effect = |pairs: &[Pair<'_>]| effect::effect(pairs, Measure::Final, self.window, resampling);
-            values.iter().map(|(value, pairs)| (format!("{symbol} = {value}"), effect(pairs))).collect()
-        };
-        let resampling = corrected(self.resampling, tested.len());
-        let effects_tested = effects(tested, resampling);
-        let mut texts: Vec<String> = effects_tested.iter().map(|value| shown(value, resampling)).collect();
-        texts.extend(effects(extras, self.resampling).iter().map(|value| beside(value, self.resampling)));
-        let repeated = |(value, _): &Candidate<'_>| {
-            format!("{symbol} = {value}: the same runs as {symbol} = {reference}, not tested")
-        };
-        texts.extend(repeats.iter().map(repeated));
-        texts.extend(substitution(symbol, preferred, chosen));
-        let intervals: Vec<verdict::Interval> =
-            effects_tested.iter().map(|(_, effect)| effect.interval).collect();
-        let weight = |(_, effect): &(String, Effect)| rule.weight(effect);
-        let decisive = effects_tested.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b)));
-        let (value, effect) = decisive.map_or_else(Default::default, |(value, effect)| (Some(value), effect));
-        let method = self.catalogue.title(&self.catalogue.paper.method);
-        let nothing = || format!("no two variants of {method} differ in this setting alone");
-        LedgerEntry {
-            id: claim.id.to_owned(),
-            source: claim.source,
-            statement: claim.statement.to_owned(),
-            rule: rule.as_str(),
-            verdict: rule.judge(&intervals),
-            value,
-            effect,
-            confidence: resampling.confidence,
-            evidence: if texts.is_empty() { nothing() } else { texts.join("; ") },
-        }
-    }
-
-    /// Every value but the reference with its pairs: first those that come to the same as the reference,
-    /// which can be neither above nor below it, then the others.
-    fn candidates(
-        &self,
-        ablations: &[Ablation<'_>],
-        reference: &str,
-        chosen: Option<&str>,
-    ) -> (Vec<Candidate<'_>>, Vec<Candidate<'_>>) {
-        let values = values(ablations, reference, chosen);
-        let candidates = values.into_iter().map(|value| {
-            let pairs = self.pairs(ablations, &value, reference);
-            (value, pairs)
-        });
-        candidates.partition(|(_, pairs)| {
-            !pairs.is_empty() && pairs.iter().all(|pair| group::is_repeated(&pair.a, &pair.b))
-        })
-    }
-
-    /// Whether there are runs with this value in the field of `axis`.
-    fn has(&self, axis: &Axis, value: &str) -> bool {
-        let configs =
-            self.groups.iter().filter_map(|group| group.runs.first()).map(|run| &run.manifest.config);
-        configs.filter_map(|config| config.pointer(&axis.pointer)).any(|other| ablation::text(other) == value)
-    }
-
-    /// Comparable runs with `value` and with `reference`, for every ablation that has both; the first of each
-    /// environment.
-    fn pairs(&self, ablations: &[Ablation<'_>], value: &str, reference: &str) -> Vec<Pair<'_>> {
-        let mut pairs: Vec<Pair<'_>> = Vec::new();
-        for ablation in ablations {
-            let group = |text: &str| {
-                let level = ablation.levels.iter().find(|level| level.text() == text)?;
-                self.groups.get(level.group)
-            };
-            let Some((a, b)) = group(value).zip(group(reference)) else { continue };
-            if pairs.iter().all(|other| other.a.key.environment != a.key.environment) {
-                pairs.push(Pair::of(a, b));
+    fn claim(&self, claim: &Claim) -> Vec<LedgerEntry> {
+        let paper = &self.options.catalogue.paper;
+        let groups = self.in_scope(claim.scope);
+        match claim.kind {
+            ClaimKind::AboveBaselines(measure) => self.above(claim, &groups, &paper.baselines, measure),
+            ClaimKind::AboveControl(measure) => {
+                let control: Vec<String> = paper.control.iter().cloned().collect();
+                self.above(claim, &groups, &control, measure)
             }
+            ClaimKind::Consistent => self.above(claim, &groups, &paper.baselines, Measure::Final),
+            ClaimKind::Values { axis, about, measure, rule } => {
+                let values = |axis| self.values(claim, &groups, &Values { axis, about, measure, rule });
+                paper.axis(axis).map(values).into_iter().collect()
+            }
+            ClaimKind::Untestable(reason) => vec![LedgerEntry {
+                id: claim.id.to_owned(),
+                source: claim.source,
+                statement: claim.statement.to_owned(),
+                rule: "no rule: nothing here can tell".to_owned(),
+                verdict: Verdict::Untestable,
+                value: None,
+                effect: Effect::default(),
+                confidence: self.options.resampling.confidence,
+                evidence: reason.to_owned(),
+            }],
         }
-        pairs
     }
-}
 
-/// The values of all ablations but the reference, in order of appearance, and the one that the claim is
-/// `about`, also where it is in no ablation.
-fn values(ablations: &[Ablation<'_>], reference: &str, about: Option<&str>) -> Vec<String> {
-    let mut values: Vec<String> = Vec::new();
-    let levels = ablations.iter().flat_map(|ablation| &ablation.levels).map(Level::text);
-    for value in levels.chain(about.map(str::to_owned)) {
-        if value != reference && !values.contains(&value) {
-            values.push(value);
-        }
+    /// The groups of the environments that a claim is about.
+    fn in_scope(&self, scope: Scope) -> Vec<Group<'_>> {
+        let environments = &self.options.catalogue.environments;
+        let is_in = |environment: &str| {
+            let goal = |is: &dyn Fn(usize) -> bool| {
+                let is_it = |info: &&EnvironmentInfo| info.id == environment;
+                environments.iter().find(is_it).is_some_and(|info| is(info.goal))
+            };
+            match scope {
+                Scope::All => true,
+                Scope::GoalsUpTo(most) => goal(&|dimension| dimension <= most),
+                Scope::GoalsFrom(fewest) => goal(&|dimension| dimension >= fewest),
+                Scope::Only(ids) => ids.contains(&environment),
+            }
+        };
+        self.groups.iter().filter(|group| is_in(&group.key.environment)).cloned().collect()
     }
-    values
-}
 
-/// `n = 3: +0.02 [-0.05, +0.08], ahead in 1 and behind in 1 of 2 environments`, or what a test lacks.
-fn shown((value, effect): &(String, Effect), resampling: Resampling) -> String {
-    let difference = effect.difference.map_or_else(String::new, |difference| format!("{difference:+.2}"));
-    let interval = effect
-        .interval
-        .map(|(low, high)| format!("{difference} [{low:+.2}, {high:+.2}], {}", standing(effect)));
-    let lack = || {
-        let lack = effect.lack(resampling).unwrap_or_default();
-        if difference.is_empty() { lack } else { format!("{difference}, {lack}") }
-    };
-    format!("{value}: {}{}", interval.unwrap_or_else(lack), effect.remark())
-}
-
-/// A value that a claim is not about.
-fn beside((value, effect): &(String, Effect), resampling: Resampling) -> String {
-    let what = match effect.difference {
-        Some(difference) => format!("{difference:+.2}, {}", standing(effect)),
-        None => effect.lack(resampling).unwrap_or_default(),
-    };
-    format!("{value}, not what the claim is about and not tested: {what}{}", effect.remark())
-}
-
-fn standing(effect: &Effect) -> String {
-    let (ahead, behind, all) = (effect.ahead, effect.behind, effect.environments.len());
-    format!("ahead in {ahead} and behind in {behind} of {all} environments")
-}
-
-/// What is said where a claim rests on another value than the one that it is about first.
-fn substitution(symbol: &str, first: Option<&str>, chosen: Option<&str>) -> Option<String> {
-    let first = first?;
-    let other = chosen.filter(|value| *value != first)?;
-    Some(format!("no run has {symbol} = {first}, so {symbol} = {other} is tested in its place"))
+    /// The paper's method against each of `baselines`, in every environment that has both with default
+    /// settings.
+    fn above(
+        &self,
+        claim: &Claim,
+        groups: &[Group<'_>],
+        baselines: &[String],
+        measure: Measure,
+    ) -> Vec<LedgerEntry> {
+        let catalogue = &self.options.catalogue;
+        let resampling = corrected(self.options.resampling, baselines.len());
+        let default = |curriculum: &str| {
+            let of_it = groups.iter().filter(move |group| group.key.curriculum.id == curriculum);
+            of_it.filter(|group| group.key.variant == "default").collect::<Vec<_>>()
+        };
+        let own = default(&catalogue.paper.method);
+        let judged = |baseline: &String| {
+            let others = default(baseline);
+            let mut pairs: Vec<Pair<'_>> = Vec::new();
+            for group in &own {
+                let here = others.iter().find(|other| other.key.environment == group.key.environment);
+                pairs.extend(here.map(|other| Pair::of(group, other)));
+            }
+            let versus = Versus { claim, measure, baseline, title: &catalogue.title(baseline) };
+            match claim.kind {
+                ClaimKind::Consistent => versus.judge_everywhere(&pairs, self.options, resampling),
+                _ => versus.judge(&pairs, self.options, resampling),
+            }
+        };
+        baselines.iter().map(judged).collect()
+    }
 }

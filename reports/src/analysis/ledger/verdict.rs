@@ -1,7 +1,8 @@
-//! The rules by which claims are judged: pure functions of intervals, stated beside every verdict.
+//! The rules by which claims are judged: pure functions of effects, stated beside every verdict.
 
-use super::Effect;
-use crate::analysis::catalogue::Rule;
+use super::effect::{Effect, PlaceEffect, sign, signs};
+use crate::analysis::options::ReportOptions;
+use crate::stats::{self, Resampling};
 
 /// What the data at hand say about a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +13,8 @@ pub enum Verdict {
     Refuted,
     /// The data allow both.
     Undecided,
+    /// No data of this program could tell.
+    Untestable,
 }
 
 impl Verdict {
@@ -21,182 +24,123 @@ impl Verdict {
             Self::Confirmed => "confirmed",
             Self::Refuted => "refuted",
             Self::Undecided => "undecided",
+            Self::Untestable => "not testable",
         }
     }
 }
-
-/// Differences smaller than this make no difference: success rates, a tenth of the range.
-pub const MARGIN: f64 = 0.1;
 
 /// (low, high) of what the test at the corrected level does not refuse; `None` where there are too few seeds
 /// for one.
 pub(super) type Interval = Option<(f64, f64)>;
 
-/// "A is above B".
-pub(super) const ABOVE: &str = "confirmed if the whole interval lies above 0, refuted if it lies below 0";
+/// Slack for levels such as 1 - 0.9875, which is a rounding error below what it stands for.
+const ROUNDING: f64 = 1e-9;
 
-/// See [`ABOVE`].
-pub(super) fn above(interval: Interval) -> Verdict {
-    match interval {
-        Some((low, _)) if low > 0.0 => Verdict::Confirmed,
-        Some((_, high)) if high < 0.0 => Verdict::Refuted,
-        _ => Verdict::Undecided,
-    }
+/// What claims are judged with: the options of the report, and the coverage that a claim is due after
+/// correction for the claims beside it.
+#[derive(Clone, Copy)]
+pub(super) struct Bench<'a> {
+    pub(super) options: &'a ReportOptions,
+    pub(super) resampling: Resampling,
 }
 
-impl Rule {
-    /// The rule in words.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::NotAbove => {
-                "refuted if the interval lies wholly above 0; otherwise confirmed if it lies below 0.1"
-            }
-            Self::Equivalent => {
-                "confirmed if every interval lies within ±0.1, refuted if one lies wholly outside"
-            }
-            Self::SomeAbove => {
-                "confirmed if one interval lies wholly above 0, refuted if every interval lies below 0"
-            }
+/// "A is above B" on average: what means and signs say together.
+pub(super) struct OnAverage {
+    pub(super) verdict: Verdict,
+    /// Where the two disagree: what each says.
+    pub(super) disagreement: Option<String>,
+}
+
+impl Bench<'_> {
+    /// The chance of a false verdict that this claim may take.
+    pub(super) fn level(&self) -> f64 {
+        1.0 - self.resampling.confidence
+    }
+
+    /// The same bench where `count` tests share that chance.
+    pub(super) fn shared(self, count: usize) -> Self {
+        Self { resampling: super::corrected(self.resampling, count), ..self }
+    }
+
+    /// Intervals for "in every environment": where all of several hypotheses have to be refused at once, each
+    /// may be tested at the whole level on its one side (Berger 1982), so that the two-sided interval covers
+    /// 1 - 2α (the two one-sided tests of Schuirmann 1987).
+    pub(super) fn one_sided(&self) -> Resampling {
+        Resampling { confidence: (1.0 - 2.0 * self.level()).max(0.0), ..self.resampling }
+    }
+
+    /// "The first side is above the second" on average over environments: confirmed or refuted where the
+    /// means of the pairs and their signs say so, each by its own exact test. `effect` has the interval of
+    /// this bench.
+    pub(super) fn above(&self, effect: &Effect) -> OnAverage {
+        if effect.is_small(self.options) {
+            return OnAverage { verdict: Verdict::Undecided, disagreement: None };
         }
-    }
-
-    /// What the intervals of all values say.
-    pub(super) fn judge(self, intervals: &[Interval]) -> Verdict {
-        match self {
-            Self::NotAbove => not_above(intervals),
-            Self::Equivalent => equivalent(intervals),
-            Self::SomeAbove => some_above(intervals),
-        }
-    }
-
-    /// Which of several effects the verdict hangs on: how far each is from where it would not.
-    pub(super) fn weight(self, effect: &Effect) -> f64 {
-        match self {
-            Self::NotAbove => highest(effect),
-            Self::Equivalent => farthest(effect),
-            Self::SomeAbove => best_supported(effect),
-        }
-    }
-}
-
-/// "None is any better".
-fn not_above(intervals: &[Interval]) -> Verdict {
-    if intervals.iter().any(|interval| interval.is_some_and(|(low, _)| low > 0.0)) {
-        Verdict::Refuted
-    } else if !intervals.is_empty()
-        && intervals.iter().all(|interval| interval.is_some_and(|(_, high)| high < MARGIN))
-    {
-        Verdict::Confirmed
-    } else {
-        Verdict::Undecided
-    }
-}
-
-/// "It makes no difference".
-fn equivalent(intervals: &[Interval]) -> Verdict {
-    let outside = |(low, high): (f64, f64)| low >= MARGIN || high <= -MARGIN;
-    let within = |(low, high): (f64, f64)| low > -MARGIN && high < MARGIN;
-    if intervals.iter().any(|interval| interval.is_some_and(outside)) {
-        Verdict::Refuted
-    } else if !intervals.is_empty() && intervals.iter().all(|interval| interval.is_some_and(within)) {
-        Verdict::Confirmed
-    } else {
-        Verdict::Undecided
-    }
-}
-
-/// "At least one is above".
-fn some_above(intervals: &[Interval]) -> Verdict {
-    let verdicts: Vec<Verdict> = intervals.iter().map(|interval| above(*interval)).collect();
-    if verdicts.contains(&Verdict::Confirmed) {
-        Verdict::Confirmed
-    } else if !verdicts.is_empty() && verdicts.iter().all(|verdict| *verdict == Verdict::Refuted) {
-        Verdict::Refuted
-    } else {
-        Verdict::Undecided
-    }
-}
-
-/// How well "above" is supported: by the lower end of the interval, without one by the difference, below all
-/// that have one.
-fn best_supported(effect: &Effect) -> f64 {
-    effect
-        .interval
-        .map_or_else(|| effect.difference.map_or(-8.0, |difference| difference - 4.0), |(low, _)| low)
-}
-
-/// How far from "none is above": first those wholly above 0 by how far they are, then the others by the upper
-/// end of the interval.
-fn highest(effect: &Effect) -> f64 {
-    let Some((low, high)) = effect.interval else {
-        return effect.difference.map_or(-8.0, |difference| difference - 4.0);
-    };
-    if low > 0.0 { 4.0 + low } else { high }
-}
-
-/// How far from "no difference": first those wholly outside the margin by how far they are, then the others
-/// by the end of the interval that is farther from 0.
-fn farthest(effect: &Effect) -> f64 {
-    let Some((low, high)) = effect.interval else {
-        return effect.difference.map_or(-8.0, |difference| difference.abs() - 4.0);
-    };
-    let outside = low.max(-high);
-    if outside >= MARGIN { 4.0 + outside } else { high.max(-low) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Verdict::{Confirmed, Refuted, Undecided};
-    use super::*;
-
-    const ABOVE_MARGIN: Interval = Some((0.15, 0.3));
-    const SMALL_GAIN: Interval = Some((0.01, 0.05));
-    const NEAR_ZERO: Interval = Some((-0.05, 0.05));
-    const WIDE: Interval = Some((-0.3, 0.3));
-    const BELOW: Interval = Some((-0.3, -0.15));
-
-    #[test]
-    fn verdicts_on_one_interval() {
-        let all = [ABOVE_MARGIN, SMALL_GAIN, NEAR_ZERO, WIDE, BELOW, None];
-        assert_eq!(all.map(above), [Confirmed, Confirmed, Undecided, Undecided, Refuted, Undecided]);
-        let not_above = all.map(|interval| not_above(&[interval]));
-        assert_eq!(not_above, [Refuted, Refuted, Confirmed, Undecided, Confirmed, Undecided]);
-    }
-
-    #[test]
-    fn verdicts_on_several_intervals() {
-        assert_eq!(equivalent(&[NEAR_ZERO, SMALL_GAIN]), Confirmed);
-        assert_eq!(equivalent(&[NEAR_ZERO, BELOW]), Refuted);
-        assert_eq!(equivalent(&[NEAR_ZERO, WIDE]), Undecided);
-        assert_eq!(equivalent(&[NEAR_ZERO, None]), Undecided);
-        assert_eq!(equivalent(&[]), Undecided);
-        assert_eq!(equivalent(&[ABOVE_MARGIN]), Refuted);
-        assert_eq!(equivalent(&[Some((-0.3, 0.05))]), Undecided);
-        assert_eq!(equivalent(&[Some((-0.05, 0.3))]), Undecided);
-        assert_eq!(not_above(&[NEAR_ZERO, BELOW]), Confirmed);
-        assert_eq!(not_above(&[NEAR_ZERO, SMALL_GAIN]), Refuted);
-        assert_eq!(not_above(&[NEAR_ZERO, WIDE]), Undecided);
-        assert_eq!(not_above(&[NEAR_ZERO, None]), Undecided);
-        assert_eq!(not_above(&[]), Undecided);
-        assert_eq!(some_above(&[BELOW, SMALL_GAIN]), Confirmed);
-        assert_eq!(some_above(&[BELOW, BELOW]), Refuted);
-        assert_eq!(some_above(&[BELOW, None]), Undecided);
-        assert_eq!(some_above(&[]), Undecided);
-    }
-
-    #[test]
-    fn what_a_verdict_hangs_on_weighs_most() {
-        let effect = |interval| Effect { interval: Some(interval), ..Effect::default() };
-        let heaviest = |weight: fn(&Effect) -> f64, intervals: &[(f64, f64)]| {
-            let weights: Vec<f64> = intervals.iter().map(|interval| weight(&effect(*interval))).collect();
-            (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]))
+        let means = match effect.interval {
+            Some((low, _)) if low > 0.0 => Verdict::Confirmed,
+            Some((_, high)) if high < 0.0 => Verdict::Refuted,
+            _ => Verdict::Undecided,
         };
-        // "None is above" is undecided for the wide one, and refuted by the one above 0.
-        assert_eq!(heaviest(highest, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(1));
-        assert_eq!(heaviest(highest, &[(0.01, 0.05), (-0.3, 0.3)]), Some(0));
-        assert_eq!(heaviest(best_supported, &[(-0.02, 0.05), (-0.3, 0.3)]), Some(0));
-        assert_eq!(heaviest(farthest, &[(-0.02, 0.05), (-0.3, 0.2)]), Some(1));
-        assert_eq!(heaviest(farthest, &[(0.12, 0.15), (-0.3, 0.2)]), Some(0));
-        assert!(highest(&Effect::default()) < highest(&effect((-1.0, -1.0))), "no interval comes last");
+        let (share, p) = (effect.improvement.unwrap_or(0.5), effect.improvement_p.unwrap_or(1.0));
+        let signs = match sign(share - 0.5) {
+            _ if p > self.level() + ROUNDING => Verdict::Undecided,
+            side if side > 0.0 => Verdict::Confirmed,
+            side if side < 0.0 => Verdict::Refuted,
+            _ => Verdict::Undecided,
+        };
+        if means == signs {
+            return OnAverage { verdict: means, disagreement: None };
+        }
+        let disagreement = format!(
+            "means and signs of the pairs disagree: {} by the means, {} by the signs (ahead in a share of \
+             {share:.2}, p = {p:.4})",
+            means.as_str(),
+            signs.as_str()
+        );
+        OnAverage { verdict: Verdict::Undecided, disagreement: Some(disagreement) }
     }
+
+    /// The environments in which `direction` times the difference is above `bound`, by the tests of the means
+    /// and of the signs alike, at `level` for all environments together: Hochberg's correction (1988), valid
+    /// as environments share no runs.
+    pub(super) fn beyond<'e>(
+        &self,
+        effect: &'e Effect,
+        bound: f64,
+        direction: impl Fn(&PlaceEffect) -> f64,
+        level: f64,
+    ) -> Vec<&'e PlaceEffect> {
+        if effect.is_small(self.options) {
+            return Vec::new();
+        }
+        let p_values: Vec<f64> =
+            effect.places.iter().map(|place| self.p_beyond(place, bound, direction(place))).collect();
+        let adjusted = stats::hochberg(&p_values);
+        let refused = effect.places.iter().zip(adjusted).filter(|(_, p)| *p <= level + ROUNDING);
+        refused.map(|(place, _)| place).collect()
+    }
+
+    /// Two-sided p-value of "`direction` times the difference is at most `bound`" in one environment: the
+    /// larger of the tests of the means and of the signs; 1 where the data lie on its side.
+    pub(super) fn p_beyond(&self, place: &PlaceEffect, bound: f64, direction: f64) -> f64 {
+        let directed: Vec<f64> = place.differences.iter().map(|difference| difference * direction).collect();
+        let p = |values: &[f64]| match stats::mean(values).map(sign) {
+            Some(1.0) => stats::sign_flip(&[values], self.resampling).map_or(1.0, |test| test.p),
+            _ => 1.0,
+        };
+        let shifted: Vec<f64> = directed.iter().map(|difference| difference - bound).collect();
+        p(&shifted).max(p(&signs(&directed)))
+    }
+
+    /// Whether `holds` of every environment's [one-sided](Self::one_sided) interval.
+    pub(super) fn everywhere(&self, effect: &Effect, holds: impl Fn((f64, f64)) -> bool) -> bool {
+        !effect.places.is_empty()
+            && !effect.is_small(self.options)
+            && effect.places.iter().all(|place| place.interval(self.one_sided()).is_some_and(&holds))
+    }
+}
+
+/// `MazeA (+0.23), MazeB (+0.19)`.
+pub(super) fn named(places: &[&PlaceEffect]) -> String {
+    places.iter().map(|place| place.named()).collect::<Vec<_>>().join(", ")
 }

@@ -17,11 +17,11 @@ mod places;
 
 use serde_json::Value;
 
-use crate::analysis::catalogue::{Catalogue, ClaimKind, Paper};
+use crate::analysis::catalogue::{ClaimKind, Paper, Scope};
 use crate::analysis::complete::Pair;
 use crate::analysis::group::{self, Group};
-use crate::analysis::ledger::{self, Above, LedgerEntry};
-use crate::stats::Resampling;
+use crate::analysis::ledger::{self, LedgerEntry, Versus};
+use crate::analysis::options::ReportOptions;
 use conclusion::{conclusion, setting};
 use places::{Candidates, Place};
 
@@ -103,24 +103,18 @@ impl ReadingFamily {
 
     /// Judges every claim under every reading; `None` where there are not two readings, or no claim about
     /// them.
-    fn of(
-        groups: &[Group<'_>],
-        catalogue: &Catalogue,
-        candidates: Candidates,
-        window: usize,
-        resampling: Resampling,
-    ) -> Option<Self> {
+    fn of(groups: &[Group<'_>], candidates: Candidates, options: &ReportOptions) -> Option<Self> {
         let Candidates { name, places } = candidates;
+        let catalogue = &options.catalogue;
         let paper = &catalogue.paper;
         let (readings, shared) = shared(groups, paper, &places)?;
         let mut claims = Vec::new();
         for claim in &paper.claims {
-            let ClaimKind::AboveBaselines(measure) = claim.kind else { continue };
+            let (ClaimKind::AboveBaselines(measure), Scope::All) = (claim.kind, claim.scope) else { continue };
             for baseline in paper.baselines.iter().chain(&paper.control) {
                 let title = &catalogue.title(baseline);
-                let above = Above { claim, measure, baseline, title };
-                let judge =
-                    Judge { groups, outer: paper.outer(), shared: &shared, above, window, resampling };
+                let versus = Versus { claim, measure, baseline, title };
+                let judge = Judge { groups, outer: paper.outer(), shared: &shared, versus, options };
                 claims.extend(judge.claim(&readings));
             }
         }
@@ -140,11 +134,12 @@ pub struct Readings {
 }
 
 impl Readings {
-    /// Judges every claim under every reading of every family; `groups` come in order. Final scores average
-    /// `window` evaluations.
-    pub fn of(groups: &[Group<'_>], catalogue: &Catalogue, window: usize, resampling: Resampling) -> Self {
-        let family = |candidates| ReadingFamily::of(groups, catalogue, candidates, window, resampling);
-        let candidates = places::candidates(groups, &catalogue.paper);
+    /// Judges every claim about all of the paper's tasks under every reading of every family; `groups` come in
+    /// order, and those of other environments do not count.
+    pub fn of(groups: &[Group<'_>], options: &ReportOptions) -> Self {
+        let groups = ledger::of_tasks(groups, options, true);
+        let family = |candidates| ReadingFamily::of(&groups, candidates, options);
+        let candidates = places::candidates(&groups, &options.catalogue.paper);
         Self { families: candidates.into_iter().filter_map(family).collect() }
     }
 }
@@ -198,7 +193,7 @@ fn outside(group: &Group<'_>, outer: &str) -> Option<Value> {
 }
 
 /// The method and a baseline.
-type Versus<'a> = (&'a Group<'a>, &'a Group<'a>);
+type Opponents<'a> = (&'a Group<'a>, &'a Group<'a>);
 
 /// What one claim is judged by under every reading.
 struct Judge<'a> {
@@ -206,18 +201,17 @@ struct Judge<'a> {
     /// Where the settings of methods stand.
     outer: &'a str,
     shared: &'a [&'a Place],
-    above: Above<'a>,
-    window: usize,
-    resampling: Resampling,
+    versus: Versus<'a>,
+    options: &'a ReportOptions,
 }
 
 impl Judge<'_> {
     /// The claim under every reading that has runs of the baseline; `None` for fewer than two.
     fn claim(&self, readings: &[Reading]) -> Option<JudgedClaim> {
-        let opponents = |reading: &Reading| -> Vec<Option<Versus<'_>>> {
+        let opponents = |reading: &Reading| -> Vec<Option<Opponents<'_>>> {
             self.shared.iter().map(|place| self.versus(place, reading)).collect()
         };
-        let all: Vec<(usize, Vec<Option<Versus<'_>>>)> =
+        let all: Vec<(usize, Vec<Option<Opponents<'_>>>)> =
             readings.iter().enumerate().map(|(index, reading)| (index + 1, opponents(reading))).collect();
         let tested: Vec<_> = all.iter().filter(|(_, found)| found.iter().any(Option::is_some)).collect();
         // Only environments where every one of them has runs of the baseline.
@@ -227,25 +221,25 @@ impl Judge<'_> {
         if tested.len() < 2 || places.is_empty() {
             return None;
         }
-        let resampling = ledger::corrected(self.resampling, tested.len());
-        let judge = |(number, found): &&(usize, Vec<Option<Versus<'_>>>)| {
+        let resampling = ledger::corrected(self.options.resampling, tested.len());
+        let judge = |(number, found): &&(usize, Vec<Option<Opponents<'_>>>)| {
             let pairs: Vec<Pair<'_>> =
                 places.iter().filter_map(|&place| found[place]).map(|(a, b)| Pair::of(a, b)).collect();
-            (*number, self.above.judge(&pairs, self.window, resampling))
+            (*number, self.versus.judge(&pairs, self.options, resampling))
         };
         let judged: Vec<(usize, LedgerEntry)> = tested.iter().map(judge).collect();
-        let conclusion = conclusion(readings, &judged, self.above.title);
+        let conclusion = conclusion(readings, &judged, self.versus.title);
         Some(JudgedClaim { judged, conclusion })
     }
 
     /// The method under `reading` and the baseline's runs of the same settings, in one environment.
-    fn versus(&self, place: &Place, reading: &Reading) -> Option<Versus<'_>> {
+    fn versus(&self, place: &Place, reading: &Reading) -> Option<Opponents<'_>> {
         let own = &self.groups[place.group(reading.values.first()?)?];
         let settings = outside(own, self.outer)?;
         // In order: `default` first.
         let fits = |group: &&Group<'_>| {
             group.key.environment == place.environment
-                && group.key.is_of(self.above.baseline)
+                && group.key.is_of(self.versus.baseline)
                 && outside(group, self.outer).as_ref() == Some(&settings)
         };
         Some((own, self.groups.iter().find(fits)?))
