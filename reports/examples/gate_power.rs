@@ -4,10 +4,10 @@
 //! cargo run --release -p reports --example gate_power -- harness/baselines/gate.json 2000
 //! ```
 //!
-//! Each simulated check draws the seeds of the baseline, and those that run now, with replacement from the
-//! recorded ones, all cells of a seed together. Of those that run now, successes of the cells that fell are
-//! struck out at random, so many that their final success falls by as much as said on average; a cell whose
-//! success is lower than that falls to 0.
+//! Scores of the seeds of a check, and of a baseline to compare them with, are drawn from the normal
+//! distribution that has the means of the recorded seeds' scores and their covariances between cells and
+//! metrics. In cells that fell, the final success of all seeds is lower by as much as said, and the area under
+//! the curve by the same share of its mean; a cell cannot fall below 0.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,9 +15,12 @@ use std::process::ExitCode;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use rayon::prelude::*;
-use reports::gate::cells::{Cell, RunSummary};
-use reports::gate::compare::{Settings, judge, samples};
+use reports::gate::baseline::BaselineCell;
+use reports::gate::cells::Cell;
+use reports::gate::compare::{Sample, Settings, judge, samples};
+use reports::gate::group::{CellGroup, groups};
 use reports::gate::metric::Metric;
 use reports::gate::{Baseline, GateError};
 use reports::stats;
@@ -48,15 +51,18 @@ fn main() -> ExitCode {
 /// A recorded baseline and how it is checked.
 struct Gate {
     cells: Vec<Cell>,
+    groups: Vec<CellGroup>,
+    /// Recorded scores of all tests, as those of `now`.
+    recorded: Vec<Sample>,
     settings: Settings,
     /// Seeds that a check runs.
-    now: usize,
+    seeds: usize,
 }
 
 impl Gate {
     fn read(path: &Path) -> Result<Self, GateError> {
         let baseline = Baseline::read(path)?;
-        let cell = |(id, cell): (String, reports::gate::baseline::BaselineCell)| {
+        let cell = |(id, cell): (String, BaselineCell)| {
             let mut names = id.split('/').map(str::to_owned);
             let mut name = || names.next().unwrap_or_default();
             Cell {
@@ -69,10 +75,14 @@ impl Gate {
                 curves: cell.curves,
             }
         };
+        let cells: Vec<Cell> = baseline.cells.into_iter().map(cell).collect();
+        let settings = baseline.gate.settings;
         Ok(Self {
-            cells: baseline.cells.into_iter().map(cell).collect(),
-            settings: baseline.gate.settings,
-            now: baseline.gate.seeds.len(),
+            groups: groups(&cells),
+            recorded: samples(&cells, &cells, settings.window),
+            settings,
+            seeds: baseline.gate.seeds.len(),
+            cells,
         })
     }
 
@@ -87,11 +97,9 @@ impl Gate {
         let methods: Vec<Vec<usize>> = by_method.into_values().collect();
         let single: Vec<Vec<usize>> = (0..self.cells.len()).map(|index| vec![index]).collect();
         let share = |places: &[Vec<usize>], fall| {
-            let found = (0..draws).into_par_iter().filter(|&draw| {
-                let fallen = &places[draw as usize % places.len()];
-                self.fails(fallen, fall, draw)
-            });
-            100.0 * found.count() as f64 / draws as f64
+            let falls: Vec<Vec<f64>> = places.iter().map(|fallen| self.falls(fallen, fall)).collect();
+            let fails = |draw: &u64| self.fails(&falls[*draw as usize % falls.len()], *draw);
+            100.0 * (0..draws).into_par_iter().filter(fails).count() as f64 / draws as f64
         };
         let mut text = format!(
             "{draws} checks each; of unchanged code {:.1} % fail.\n\n| fall of final success | in all {} cells | in one \
@@ -107,47 +115,57 @@ impl Gate {
         text
     }
 
-    /// Whether a simulated check fails after the final success of the cells `fallen` fell.
-    fn fails(&self, fallen: &[usize], fall: f64, draw: u64) -> bool {
-        let mut rng = ChaCha8Rng::seed_from_u64(0);
-        rng.set_stream(draw);
-        let seeds: Vec<u64> = self.cells[0].curves.keys().copied().collect();
-        let mut drawn = |count: usize| -> Vec<u64> {
-            (0..count).map(|_| seeds[rng.random_range(0..seeds.len())]).collect()
+    /// By how much each test's mean score falls where the final success of the cells `fallen` falls by `fall`.
+    /// Shape: one number per test.
+    fn falls(&self, fallen: &[usize], fall: f64) -> Vec<f64> {
+        let of_cell = |index: usize, metric: Metric| {
+            let share = (fall / self.mean(index, Metric::FinalSuccess)).min(1.0);
+            let falls = metric.is_success() && fallen.contains(&index);
+            if falls { share * self.mean(index, metric) } else { 0.0 }
         };
-        let (before, now) = (drawn(seeds.len()), drawn(self.now));
-        let before: Vec<Cell> = self.cells.iter().map(|cell| resampled(cell, &before)).collect();
-        let mut now: Vec<Cell> = self.cells.iter().map(|cell| resampled(cell, &now)).collect();
-        for &index in fallen {
-            let lost = (fall / self.final_success(index)).min(1.0);
-            for curve in now[index].curves.values_mut() {
-                strike_out(curve, lost, &mut rng);
-            }
-        }
-        let samples = samples(&before, &now, self.settings.window);
-        judge(&samples, self.settings).iter().any(|test| test.failed)
+        let of_test = |sample: &Sample| {
+            let group = self.groups.iter().find(|group| group.scope == sample.scope);
+            let cells = group.map_or(&[][..], |group| &group.cells);
+            stats::mean(&cells.iter().map(|&index| of_cell(index, sample.metric)).collect::<Vec<f64>>())
+        };
+        self.recorded.iter().map(|sample| of_test(sample).unwrap_or(0.0)).collect()
     }
 
-    /// Mean final success of a recorded cell.
-    fn final_success(&self, index: usize) -> f64 {
+    /// Mean recorded score of a cell.
+    fn mean(&self, index: usize, metric: Metric) -> f64 {
         let cell = &self.cells[index];
-        let scores = cell
-            .curves
-            .values()
-            .filter_map(|curve| Metric::FinalSuccess.of(cell, curve, self.settings.window));
+        let scores = cell.curves.values().filter_map(|curve| metric.of(cell, curve, self.settings.window));
         stats::mean(&scores.collect::<Vec<f64>>()).unwrap_or(0.0)
     }
-}
 
-/// `cell` with the curves of `seeds`, numbered anew.
-fn resampled(cell: &Cell, seeds: &[u64]) -> Cell {
-    let curves = (0..).zip(seeds).map(|(number, seed)| (number, cell.curves[seed].clone()));
-    Cell { curves: curves.collect(), ..cell.clone() }
-}
-
-/// Turns each success into a failure with a chance of `lost`.
-fn strike_out(curve: &mut RunSummary, lost: f64, rng: &mut ChaCha8Rng) {
-    for successes in &mut curve.successes {
-        *successes = (0..*successes).filter(|_| rng.random::<f64>() >= lost).count() as u64;
+    /// Whether a simulated check fails whose tests' scores fell by `falls`.
+    fn fails(&self, falls: &[f64], draw: u64) -> bool {
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        rng.set_stream(draw);
+        let recorded = self.recorded.first().map_or(0, |sample| sample.now.len());
+        // A seed's scores lie off their means by the recorded deviations, each times a weight that is the same
+        // for all tests. With weights of variance 1 / (n - 1) the covariances are those of the records.
+        let mut weights = |seeds: usize| -> Vec<Vec<f64>> {
+            let scale = ((recorded - 1) as f64).sqrt();
+            let of_seed = |_| (0..recorded).map(|_| rng.sample::<f64, _>(StandardNormal) / scale).collect();
+            (0..seeds).map(of_seed).collect()
+        };
+        let (before, now) = (weights(recorded), weights(self.seeds));
+        let simulated = self.recorded.iter().zip(falls).map(|(sample, fall)| Sample {
+            scope: sample.scope.clone(),
+            metric: sample.metric,
+            before: scores(&sample.now, &before, 0.0),
+            now: scores(&sample.now, &now, *fall),
+        });
+        judge(&simulated.collect::<Vec<_>>(), self.settings).iter().any(|test| test.failed)
     }
+}
+
+/// Scores of simulated seeds, one per row of `weights` (`[seeds][recorded]`), lower by `fall`.
+fn scores(recorded: &[f64], weights: &[Vec<f64>], fall: f64) -> Vec<f64> {
+    let mean = stats::mean(recorded).unwrap_or(0.0);
+    let deviation = |weights: &Vec<f64>| -> f64 {
+        recorded.iter().zip(weights).map(|(score, weight)| weight * (score - mean)).sum()
+    };
+    weights.iter().map(|weights| mean - fall + deviation(weights)).collect()
 }

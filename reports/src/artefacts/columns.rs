@@ -78,11 +78,7 @@ pub(super) fn effect<'c, R: 'c>(
             "those of them where the mean difference is above 0",
             count(Effect::ahead),
         ),
-        Column::count(
-            "environments_behind",
-            "those of them where it is below 0",
-            count(Effect::behind),
-        ),
+        Column::count("environments_behind", "those of them where it is below 0", count(Effect::behind)),
         Column::count("pairs", "pairs of runs with the same seed in them", count(|effect| effect.pairs)),
         Column::count(
             "runs_left_out",

@@ -4,9 +4,7 @@ use super::{Artefact, Repeated, Section, columns};
 use crate::analysis::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{
-    BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, with_interval,
-};
+use crate::render::table::cells::{BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, with_interval};
 use crate::render::table::{Column, Sheet};
 use crate::stats::{MOST_ENUMERATED, Resampling};
 

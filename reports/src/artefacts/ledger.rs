@@ -43,9 +43,11 @@ fn columns() -> Vec<Column<'static, LedgerEntry>> {
         Column::text("statement", "the claim as a testable statement", |row: &LedgerEntry| {
             row.statement.clone()
         }),
-        Column::text("verdict", "`confirmed`, `refuted`, `undecided` or `not testable`", |row: &LedgerEntry| {
-            row.verdict.as_str().to_owned()
-        })
+        Column::text(
+            "verdict",
+            "`confirmed`, `refuted`, `undecided` or `not testable`",
+            |row: &LedgerEntry| row.verdict.as_str().to_owned(),
+        )
         .named("Verdict", |row| row.verdict.as_str().to_owned()),
         Column::text(
             "value",

@@ -5,8 +5,7 @@ use looks::colours::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use looks::{Dash, Look, Marker};
 
 use crate::analysis::catalogue::{
-    Axis, Catalogue, Claim, ClaimKind, Deviation, Measure, MethodInfo, Paper, ReadingChoice, Rule,
-    Scope,
+    Axis, Catalogue, Claim, ClaimKind, Deviation, Measure, MethodInfo, Paper, ReadingChoice, Rule, Scope,
 };
 
 const FIGURES: &str = "Figures 2 and 6";

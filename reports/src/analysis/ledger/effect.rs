@@ -178,7 +178,8 @@ pub(super) fn effect(
     let mut not_judged = Vec::new();
     for pair in pairs {
         let environment = &pair.a.key.environment;
-        let unlike = if options.mixed_students { None } else { students::unlike(pair, &options.catalogue.paper) };
+        let unlike =
+            if options.mixed_students { None } else { students::unlike(pair, &options.catalogue.paper) };
         if let Some(settings) = unlike {
             not_judged.push(format!("{environment} (different students: {settings})"));
             continue;

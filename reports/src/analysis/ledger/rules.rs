@@ -94,7 +94,13 @@ fn some_beyond(tested: &[Tested], each: Bench<'_>, direction: f64) -> Finding {
         let bonus = if judged[*index] == Verdict::Confirmed { 4.0 } else { 0.0 };
         bonus
             + match effect.interval {
-                Some((low, high)) => if direction > 0.0 { low } else { -high },
+                Some((low, high)) => {
+                    if direction > 0.0 {
+                        low
+                    } else {
+                        -high
+                    }
+                }
                 None => effect.difference.map_or(-8.0, |difference| direction * difference - 4.0),
             }
     };
@@ -104,7 +110,8 @@ fn some_beyond(tested: &[Tested], each: Bench<'_>, direction: f64) -> Finding {
 
 /// The finding that hangs on the average of one value.
 fn of_average(decisive: Option<&Tested>, verdict: Verdict, each: Bench<'_>) -> Finding {
-    let (value, effect) = decisive.cloned().map_or((None, Effect::default()), |(value, effect)| (Some(value), effect));
+    let (value, effect) =
+        decisive.cloned().map_or((None, Effect::default()), |(value, effect)| (Some(value), effect));
     let disagreement = each.above(&effect).disagreement;
     Finding {
         verdict: Some(verdict),
@@ -254,7 +261,8 @@ fn somewhere_best(tested: &[Tested], bench: Bench<'_>, each: Bench<'_>) -> Findi
     };
     // The hardest of the others to beat decides in each environment.
     let worst = |name: &&str| -> f64 {
-        let p = |(_, effect): &Tested| at(effect, name).map_or(1.0, |place| bench.p_beyond(&place, 0.0, -1.0));
+        let p =
+            |(_, effect): &Tested| at(effect, name).map_or(1.0, |place| bench.p_beyond(&place, 0.0, -1.0));
         tested.iter().map(p).fold(0.0, f64::max)
     };
     let p_values: Vec<f64> = environments.iter().map(worst).collect();
@@ -274,7 +282,8 @@ fn somewhere_best(tested: &[Tested], bench: Bench<'_>, each: Bench<'_>) -> Findi
     } else {
         Verdict::Undecided
     };
-    let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
+    let list =
+        |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
     let notes = [list("better than all others in", &best), list("another is better in", &beaten)];
     // Where it is best, its closest rival; otherwise that of the environment where it comes nearest.
     let nearest = environments.iter().min_by(|a, b| worst(a).total_cmp(&worst(b)));

@@ -109,7 +109,10 @@ impl Versus<'_> {
 fn standing(effect: &Effect, options: &ReportOptions, resampling: Resampling) -> String {
     let counts = || {
         let (ahead, behind, all) = (effect.ahead(), effect.behind(), effect.places.len());
-        format!("ahead in {ahead} and behind in {behind} of {all} environments, {} pairs of runs", effect.pairs)
+        format!(
+            "ahead in {ahead} and behind in {behind} of {all} environments, {} pairs of runs",
+            effect.pairs
+        )
     };
     match effect.lack(options, resampling) {
         None => counts(),

@@ -110,7 +110,9 @@ impl ReadingFamily {
         let (readings, shared) = shared(groups, paper, &places)?;
         let mut claims = Vec::new();
         for claim in &paper.claims {
-            let (ClaimKind::AboveBaselines(measure), Scope::All) = (claim.kind, claim.scope) else { continue };
+            let (ClaimKind::AboveBaselines(measure), Scope::All) = (claim.kind, claim.scope) else {
+                continue;
+            };
             for baseline in paper.baselines.iter().chain(&paper.control) {
                 let title = &catalogue.title(baseline);
                 let versus = Versus { claim, measure, baseline, title };

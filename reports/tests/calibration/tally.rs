@@ -3,10 +3,11 @@
 use std::ops::AddAssign;
 
 use rayon::prelude::*;
-use reports::Catalogue;
+use reports::ReportOptions;
 use reports::analysis::comparison::{self, ALPHA, Comparison, TestFamily};
 use reports::analysis::group;
-use reports::analysis::ledger::{self, LedgerEntry, MARGIN, Verdict};
+use reports::analysis::ledger::{self, LedgerEntry, Verdict};
+use reports::analysis::options::MARGIN;
 use reports::stats::Resampling;
 use reports::store::Store;
 
@@ -16,22 +17,22 @@ use super::truth::{Design, Truth, World};
 
 /// Verdicts of one kind of claim.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Verdicts {
-    pub(super) confirmed: u64,
-    pub(super) undecided: u64,
-    pub(super) refuted: u64,
+pub(crate) struct Verdicts {
+    pub(crate) confirmed: u64,
+    pub(crate) undecided: u64,
+    pub(crate) refuted: u64,
 }
 
 impl Verdicts {
     fn count(&mut self, verdict: Verdict) {
         match verdict {
             Verdict::Confirmed => self.confirmed += 1,
-            Verdict::Undecided => self.undecided += 1,
+            Verdict::Undecided | Verdict::Untestable => self.undecided += 1,
             Verdict::Refuted => self.refuted += 1,
         }
     }
 
-    pub(super) fn all(self) -> u64 {
+    pub(crate) fn all(self) -> u64 {
         self.confirmed + self.undecided + self.refuted
     }
 }
@@ -46,20 +47,20 @@ impl AddAssign for Verdicts {
 
 /// What was said of all experiments of one design under one truth.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub(super) experiments: u64,
+pub(crate) struct Tally {
+    pub(crate) experiments: u64,
     /// "The method is above this baseline", of those that it is above, or of all where it is above none.
-    pub(super) above: Verdicts,
+    pub(crate) above: Verdicts,
     /// Experiments with a false verdict on any baseline.
-    pub(super) above_false: u64,
+    pub(crate) above_false: u64,
     /// "The setting makes no difference".
-    pub(super) invariance: Verdicts,
+    pub(crate) invariance: Verdicts,
     /// Comparisons of methods in one environment that differ.
-    pub(super) different: u64,
+    pub(crate) different: u64,
     /// Those of them that are significant after Holm's correction, in the right direction.
-    pub(super) found: u64,
+    pub(crate) found: u64,
     /// Experiments with a comparison that is significant and false.
-    pub(super) found_false: u64,
+    pub(crate) found_false: u64,
 }
 
 impl AddAssign for Tally {
@@ -76,22 +77,27 @@ impl AddAssign for Tally {
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     /// Experiments per design and truth.
-    pub(super) repetitions: u64,
+    pub(crate) repetitions: u64,
     /// Sign flips that are drawn where there are too many to enumerate.
-    pub(super) flips: usize,
+    pub(crate) flips: usize,
 }
 
 impl Tally {
     /// The reports on so many experiments of `design`, in parallel. Every design and truth has random streams
     /// of its own.
-    pub(super) fn of(design: Design, truth: Truth, seed: u64, effort: Effort) -> Self {
-        let catalogue = paper(design.baselines);
+    pub(crate) fn of(design: Design, truth: Truth, seed: u64, effort: Effort) -> Self {
+        let options = ReportOptions {
+            window: WINDOW,
+            resampling: Resampling { resamples: effort.flips, ..Resampling::default() },
+            catalogue: paper(design.baselines),
+            ..ReportOptions::default()
+        };
         let world = World::new(truth, design.environments, &MeanFinal::new());
         let one = |repetition| {
-            let store = simulate(&world, design, &catalogue, (seed, repetition));
-            Self::one(&store, &catalogue, design, truth, effort)
+            let store = simulate(&world, design, &options.catalogue, (seed, repetition));
+            Self::one(&store, &options, design, truth)
         };
         let sum = |mut a: Self, b: Self| {
             a += b;
@@ -100,23 +106,20 @@ impl Tally {
         (0..effort.repetitions).into_par_iter().map(one).reduce(Self::default, sum)
     }
 
-    fn one(store: &Store, catalogue: &Catalogue, design: Design, truth: Truth, effort: Effort) -> Self {
+    fn one(store: &Store, options: &ReportOptions, design: Design, truth: Truth) -> Self {
         let mut tally = Self { experiments: 1, ..Self::default() };
-        let groups = group::groups(store, catalogue);
-        let resampling = Resampling { resamples: effort.flips, ..Resampling::default() };
-        tally.judge(&ledger::ledger(&groups, catalogue, WINDOW, resampling), catalogue, truth);
+        let groups = group::groups(store, &options.catalogue);
+        tally.judge(&ledger::ledger(&groups, options), options, truth);
         let keys: Vec<_> = groups.iter().map(|group| &group.key).collect();
-        // Bootstrap intervals describe; no test rests on them.
-        let few = Resampling { resamples: 2, ..resampling };
-        let comparisons = comparison::comparisons(&groups, &group::compared(&keys), WINDOW, few);
-        tally.compare(&comparisons, catalogue, design, truth);
+        let comparisons = comparison::comparisons(&groups, &group::compared(&keys), options);
+        tally.compare(&comparisons, options, design, truth);
         tally
     }
 
-    fn judge(&mut self, ledger: &[LedgerEntry], catalogue: &Catalogue, truth: Truth) {
+    fn judge(&mut self, ledger: &[LedgerEntry], options: &ReportOptions, truth: Truth) {
         let mut any_false = false;
         let is_above_any = truth.above(0).is_some();
-        for (index, id) in catalogue.paper.baselines.iter().enumerate() {
+        for (index, id) in options.catalogue.paper.baselines.iter().enumerate() {
             let verdict = entry(ledger, &format!("final-{id}"));
             any_false |= is_false(verdict, truth.above(index));
             if truth.above(index).is_some() || !is_above_any {
@@ -130,15 +133,20 @@ impl Tally {
     fn compare(
         &mut self,
         comparisons: &[Comparison<'_>],
-        catalogue: &Catalogue,
+        options: &ReportOptions,
         design: Design,
         truth: Truth,
     ) {
         let mut any_false = false;
         for one in comparisons.iter().filter(|one| one.family == TestFamily::Methods) {
-            let index = catalogue.paper.baselines.iter().position(|id| one.method.is_of(id)).unwrap();
-            let place =
-                catalogue.paper.tasks.iter().position(|ids| ids[0] == one.method.environment).unwrap();
+            let index = options.catalogue.paper.baselines.iter().position(|id| one.method.is_of(id)).unwrap();
+            let place = options
+                .catalogue
+                .paper
+                .tasks
+                .iter()
+                .position(|ids| ids[0] == one.method.environment)
+                .unwrap();
             let lead = truth.lead(index, place, design.environments);
             let is_significant = one.p_holm.is_some_and(|p| p <= ALPHA);
             // Differences are baseline minus method.
@@ -151,7 +159,7 @@ impl Tally {
     }
 
     /// Verdicts on the setting that are false.
-    pub(super) fn invariance_false(&self, truth: Truth) -> u64 {
+    pub(crate) fn invariance_false(&self, truth: Truth) -> u64 {
         let Verdicts { confirmed, refuted, .. } = self.invariance;
         match truth.invariance(MARGIN) {
             Some(Verdict::Confirmed) => refuted,

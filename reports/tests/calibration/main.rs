@@ -5,13 +5,16 @@
 //! from a longer simulation, which takes minutes:
 //!
 //! ```sh
-//! cargo test --release -p reports --test it -- calibration::tables --ignored --nocapture
+//! cargo test --release -p reports --test calibration -- tables --ignored --nocapture
 //! ```
 //!
 //! `CALIBRATION_REPETITIONS` sets its number of experiments per design and truth.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
 mod curve;
 mod experiment;
+mod fixture;
 mod table;
 mod tally;
 mod truth;

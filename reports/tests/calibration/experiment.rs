@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use reports::Catalogue;
-use reports::analysis::catalogue::{ClaimKind, Measure};
 use reports::schema::{Manifest, Outcome, Record, RunKey, SCHEMA};
 use reports::store::{Run, Store};
 use reports::synthetic::catalogue;
@@ -21,13 +20,11 @@ const INTERVAL: u64 = 1_000;
 
 /// The made-up paper with so many baselines, of whose claims two are judged: that the method ends above each
 /// of them, and that the window makes no difference.
-pub(super) fn paper(baselines: usize) -> Catalogue {
+pub(crate) fn paper(baselines: usize) -> Catalogue {
     let mut catalogue = catalogue();
     let paper = &mut catalogue.paper;
     paper.baselines.extend((paper.baselines.len()..baselines).map(|index| format!("baseline-{index}")));
-    paper
-        .claims
-        .retain(|claim| claim.kind == ClaimKind::AboveBaselines(Measure::Final) || claim.id == "window");
+    paper.claims.retain(|claim| ["final", "window"].contains(&claim.id));
     catalogue
 }
 
@@ -60,7 +57,7 @@ fn arms(catalogue: &Catalogue) -> Vec<Arm<'_>> {
 }
 
 /// An experiment of `design` in `world`. Each `repetition` has a random stream of its own.
-pub(super) fn simulate(
+pub(crate) fn simulate(
     world: &World,
     design: Design,
     catalogue: &Catalogue,
@@ -98,7 +95,7 @@ fn rates(outlook: Outlook, shared: Deviations, rng: &mut ChaCha8Rng) -> Vec<f64>
 }
 
 /// A finished run with these success rates.
-pub(super) fn run(key: RunKey, config: Value, rates: &[f64]) -> Run {
+pub(crate) fn run(key: RunKey, config: Value, rates: &[f64]) -> Run {
     let record = |(index, &success_rate): (u64, &f64)| Record {
         environment: key.environment.clone(),
         curriculum: key.curriculum.clone(),

@@ -10,19 +10,19 @@ const COLLAPSE: f64 = 0.1;
 
 /// The size of an experiment.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Design {
-    pub(super) environments: usize,
-    pub(super) seeds: u64,
+pub(crate) struct Design {
+    pub(crate) environments: usize,
+    pub(crate) seeds: u64,
     /// Baselines that the paper's method is compared with.
-    pub(super) baselines: usize,
+    pub(crate) baselines: usize,
 }
 
 impl Design {
-    pub(super) const fn new(environments: usize, seeds: u64, baselines: usize) -> Self {
+    pub(crate) const fn new(environments: usize, seeds: u64, baselines: usize) -> Self {
         Self { environments, seeds, baselines }
     }
 
-    pub(super) fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         let Self { environments, seeds, baselines } = self;
         format!("{environments} × {seeds}, {baselines} baselines")
     }
@@ -31,7 +31,7 @@ impl Design {
 /// How the paper's method, with its default settings, differs from all others: from the baselines, and from
 /// other values of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Truth {
+pub(crate) enum Truth {
     /// All methods are alike.
     Equal,
     /// The method ends a little higher, but one run in ten collapses, so that means are equal.
@@ -45,7 +45,7 @@ pub(super) enum Truth {
 }
 
 /// All of them, in the order of tables.
-pub(super) const TRUTHS: [Truth; 9] = [
+pub(crate) const TRUTHS: [Truth; 9] = [
     Truth::Equal,
     Truth::Collapses,
     Truth::Mixed(0.2),
@@ -58,7 +58,7 @@ pub(super) const TRUTHS: [Truth; 9] = [
 ];
 
 impl Truth {
-    pub(super) fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         match self {
             Self::Equal => "all alike".to_owned(),
             Self::Collapses => "equal means, rare collapses".to_owned(),
@@ -70,7 +70,7 @@ impl Truth {
 
     /// By how much the method's mean final success is above that of baseline or value `index` in the
     /// environment at `place` of so many.
-    pub(super) fn lead(self, index: usize, place: usize, environments: usize) -> f64 {
+    pub(crate) fn lead(self, index: usize, place: usize, environments: usize) -> f64 {
         match self {
             Self::Equal | Self::Collapses => 0.0,
             // An odd environment out has no difference, so that the mean over all is 0.
@@ -83,7 +83,7 @@ impl Truth {
 
     /// The right verdict on "the method is above baseline `index` on average over environments", if there is
     /// one.
-    pub(super) fn above(self, index: usize) -> Option<Verdict> {
+    pub(crate) fn above(self, index: usize) -> Option<Verdict> {
         let is_above = match self {
             Self::Equal | Self::Collapses | Self::Mixed(_) => false,
             Self::Above(_) => true,
@@ -94,7 +94,7 @@ impl Truth {
 
     /// The right verdict on "the setting makes no difference", where smaller ones than `margin` are none. At
     /// the margin itself neither is right.
-    pub(super) fn invariance(self, margin: f64) -> Option<Verdict> {
+    pub(crate) fn invariance(self, margin: f64) -> Option<Verdict> {
         let largest = match self {
             Self::Equal | Self::Collapses => 0.0,
             Self::Mixed(by) | Self::Above(by) | Self::AboveOne(by) => by,
@@ -109,15 +109,15 @@ impl Truth {
 
 /// How the runs of a method turn out in an environment.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outlook {
+pub(crate) struct Outlook {
     /// Mean ceiling.
-    pub(super) ceiling: f64,
+    pub(crate) ceiling: f64,
     /// Chance that a run is at 0 throughout.
-    pub(super) collapse: f64,
+    pub(crate) collapse: f64,
 }
 
 /// The outlooks of the method and of the others, by environment.
-pub(super) struct World {
+pub(crate) struct World {
     /// `[environments]`
     own: Vec<Outlook>,
     /// Those of the first baseline and the first value, and those of all others, `[environments]`.
@@ -125,7 +125,7 @@ pub(super) struct World {
 }
 
 impl World {
-    pub(super) fn new(truth: Truth, environments: usize, mean: &MeanFinal) -> Self {
+    pub(crate) fn new(truth: Truth, environments: usize, mean: &MeanFinal) -> Self {
         let collapse = if truth == Truth::Collapses { COLLAPSE } else { 0.0 };
         let own = |place: usize| Outlook { ceiling: CEILINGS[place % CEILINGS.len()], collapse };
         let other = |place: usize, index: usize| {
@@ -140,12 +140,12 @@ impl World {
     }
 
     /// The outlook of the paper's method with its default settings in the environment at `place`.
-    pub(super) fn method(&self, place: usize) -> Outlook {
+    pub(crate) fn method(&self, place: usize) -> Outlook {
         self.own[place]
     }
 
     /// That of baseline, or of value, `index`.
-    pub(super) fn other(&self, index: usize, place: usize) -> Outlook {
+    pub(crate) fn other(&self, index: usize, place: usize) -> Outlook {
         self.others[place][index.min(1)]
     }
 }

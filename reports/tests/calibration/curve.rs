@@ -9,11 +9,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 /// Evaluations of a run, that of the untrained student included.
-pub(super) const EVALUATIONS: usize = 21;
+pub(crate) const EVALUATIONS: usize = 21;
 /// Episodes of an evaluation.
-pub(super) const EPISODES: u64 = 20;
+pub(crate) const EPISODES: u64 = 20;
 /// Evaluations that the final success averages.
-pub(super) const WINDOW: usize = 5;
+pub(crate) const WINDOW: usize = 5;
 
 /// Share of training after which half of the ceiling is reached, on average.
 const MIDPOINT: f64 = 0.35;
@@ -31,14 +31,14 @@ const SHARED: f64 = 0.5;
 
 /// By how much the ceiling and the midpoint of a run lie off their means, in standard deviations.
 #[derive(Clone, Copy)]
-pub(super) struct Deviations {
+pub(crate) struct Deviations {
     ceiling: f64,
     midpoint: f64,
 }
 
 impl Deviations {
     /// Those of one run, or the part that the runs of a seed share.
-    pub(super) fn draw(rng: &mut ChaCha8Rng) -> Self {
+    pub(crate) fn draw(rng: &mut ChaCha8Rng) -> Self {
         Self { ceiling: rng.sample(StandardNormal), midpoint: rng.sample(StandardNormal) }
     }
 
@@ -60,7 +60,7 @@ fn chance(ceiling: f64, run: Deviations, evaluation: usize, noise: f64) -> f64 {
 }
 
 /// Success rates of a run, `[EVALUATIONS]`; `shared` is what runs of its seed have in common.
-pub(super) fn rates(ceiling: f64, shared: Deviations, rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub(crate) fn rates(ceiling: f64, shared: Deviations, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let run = Deviations::draw(rng).mixed(shared);
     let mut noise: f64 = rng.sample(StandardNormal);
     let mut rates = Vec::with_capacity(EVALUATIONS);
@@ -76,19 +76,19 @@ pub(super) fn rates(ceiling: f64, shared: Deviations, rng: &mut ChaCha8Rng) -> V
 
 /// Mean final success of runs by their mean ceiling, over runs and noise that are drawn once: differences
 /// between two ceilings are then exact to about a thousandth.
-pub(super) struct MeanFinal {
+pub(crate) struct MeanFinal {
     draws: Vec<(Deviations, f64)>,
 }
 
 impl MeanFinal {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(20);
         let draws = (0..4_000).map(|_| (Deviations::draw(&mut rng), rng.sample(StandardNormal)));
         Self { draws: draws.collect() }
     }
 
     /// The mean final success at this ceiling.
-    pub(super) fn of(&self, ceiling: f64) -> f64 {
+    pub(crate) fn of(&self, ceiling: f64) -> f64 {
         let last = EVALUATIONS - WINDOW..EVALUATIONS;
         let sum: f64 = self
             .draws
@@ -99,7 +99,7 @@ impl MeanFinal {
     }
 
     /// The ceiling at which the mean final success is `mean`, by bisection.
-    pub(super) fn ceiling(&self, mean: f64) -> f64 {
+    pub(crate) fn ceiling(&self, mean: f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.2);
         for _ in 0..30 {
             let middle = (low + high) / 2.0;

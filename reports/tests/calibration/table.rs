@@ -1,18 +1,19 @@
 //! Counts as Markdown, for the docs.
 
-use reports::analysis::ledger::{MARGIN, Verdict};
+use reports::analysis::ledger::Verdict;
+use reports::analysis::options::MARGIN;
 
 use super::tally::{Tally, Verdicts};
 use super::truth::{Design, TRUTHS, Truth};
 
 /// Counts of every truth under every design, `[designs][truths]`.
-pub(super) type Counts = [Vec<Tally>];
+pub(crate) type Counts = [Vec<Tally>];
 
 /// What a table shows of a truth: which verdict is right, and a cell per design.
 type Row<'a> = (&'a dyn Fn(Truth) -> Option<Verdict>, &'a dyn Fn(&Tally, Truth) -> String);
 
 /// All tables.
-pub(super) fn markdown(designs: &[Design], counts: &Counts) -> String {
+pub(crate) fn markdown(designs: &[Design], counts: &Counts) -> String {
     let verdicts = |verdicts: Verdicts| {
         let share = |count| percent(count, verdicts.all());
         let Verdicts { confirmed, undecided, refuted } = verdicts;
