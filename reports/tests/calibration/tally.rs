@@ -94,10 +94,13 @@ impl Tally {
             catalogue: paper(design.baselines),
             ..ReportOptions::default()
         };
+        // Bootstrap intervals of comparisons describe; no test rests on them.
+        let few = Resampling { resamples: 2, ..options.resampling };
+        let few = ReportOptions { resampling: few, ..options.clone() };
         let world = World::new(truth, design.environments, &MeanFinal::new());
         let one = |repetition| {
             let store = simulate(&world, design, &options.catalogue, (seed, repetition));
-            Self::one(&store, &options, design, truth)
+            Self::one(&store, [&options, &few], design, truth)
         };
         let sum = |mut a: Self, b: Self| {
             a += b;
@@ -106,12 +109,13 @@ impl Tally {
         (0..effort.repetitions).into_par_iter().map(one).reduce(Self::default, sum)
     }
 
-    fn one(store: &Store, options: &ReportOptions, design: Design, truth: Truth) -> Self {
+    /// One experiment, with the options of the ledger and those of comparisons.
+    fn one(store: &Store, [options, few]: [&ReportOptions; 2], design: Design, truth: Truth) -> Self {
         let mut tally = Self { experiments: 1, ..Self::default() };
         let groups = group::groups(store, &options.catalogue);
         tally.judge(&ledger::ledger(&groups, options), options, truth);
         let keys: Vec<_> = groups.iter().map(|group| &group.key).collect();
-        let comparisons = comparison::comparisons(&groups, &group::compared(&keys), options);
+        let comparisons = comparison::comparisons(&groups, &group::compared(&keys), few);
         tally.compare(&comparisons, options, design, truth);
         tally
     }
