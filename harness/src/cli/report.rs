@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use reports::ReportOptions;
+use reports::analysis::options::{FEWEST_PAIRS, Failures, MARGIN};
+use reports::stats::Resampling;
 
 use super::{Exit, ExitCode, complain, print};
 use crate::{Registry, paper};
@@ -11,11 +13,52 @@ use crate::{Registry, paper};
 pub(super) struct Args {
     /// Results folder, as written by `goalbench run`
     results: PathBuf,
+    /// Evaluations at the end of a run that its final success averages
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    window: u16,
+    /// Coverage of intervals, and what verdicts keep: 1 minus the chance of a false one
+    #[arg(long, value_name = "SHARE", default_value_t = 0.95, value_parser = between(0.5))]
+    confidence: f64,
+    /// Largest difference of success rates that claims of no difference call none
+    #[arg(long, value_name = "RATE", default_value_t = MARGIN, value_parser = between(0.0))]
+    margin: f64,
+    /// Fewest pairs of runs with the same seed, in all environments together, for a verdict
+    #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = clap::value_parser!(u16).range(1..))]
+    fewest_pairs: u16,
+    /// Runs that broke down: success 0 from then on, or left out and counted
+    #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = ["zero", "apart"])]
+    failures: String,
+    /// Judge claims also where both sides train different students
+    #[arg(long)]
+    mixed_students: bool,
+}
+
+/// Numbers above `least` and below 1.
+fn between(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().map_err(|_| format!("a number above {least} and below 1 is accepted"))?;
+        let is_inside = number > least && number < 1.0;
+        is_inside.then_some(number).ok_or_else(|| format!("a number above {least} and below 1 is accepted"))
+    }
+}
+
+impl Args {
+    fn options(&self, registry: &Registry) -> ReportOptions {
+        let failures = Failures::ALL.into_iter().find(|policy| policy.as_str() == self.failures);
+        ReportOptions {
+            window: self.window.into(),
+            resampling: Resampling { confidence: self.confidence, ..Resampling::default() },
+            margin: self.margin,
+            fewest_pairs: self.fewest_pairs.into(),
+            failures: failures.unwrap_or_default(),
+            mixed_students: self.mixed_students,
+            catalogue: paper::catalogue(registry),
+        }
+    }
 }
 
 pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
-    let options = ReportOptions { catalogue: paper::catalogue(registry), ..ReportOptions::default() };
-    let written = reports::write(&args.results, &options)?;
+    let written = reports::write(&args.results, &args.options(registry))?;
     for path in &written.files {
         print(&format!("{}\n", path.display()));
     }

@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use super::ledger::judging;
 use super::support::{key, options, write_configured, write_run};
 use reports::analysis::comparison::{self, TestFamily};
 use reports::analysis::complete::{self, Pair};
 use reports::analysis::group::{self, GroupKey};
-use reports::stats::{self, Resampling};
+use reports::stats;
 use reports::store::Store;
 use reports::store::layout;
 use reports::synthetic::catalogue;
@@ -58,8 +59,7 @@ fn every_method_is_compared_with_its_reference() {
     let store = Store::read(path).unwrap();
     let groups = group::groups(&store, &catalogue());
     let compared = group::compared(&groups.iter().map(|group| &group.key).collect::<Vec<_>>());
-    let resampling = Resampling { resamples: 100, ..Resampling::default() };
-    let found = comparison::comparisons(&groups, &compared, 1, resampling);
+    let found = comparison::comparisons(&groups, &compared, &judging());
     let name = |key: &GroupKey| format!("{} {}", key.curriculum.id, key.variant);
     let names: Vec<_> = found.iter().map(|c| (c.family, name(c.method), name(c.reference))).collect();
     let row = |family, method: &str| (family, method.to_owned(), "nova default".to_owned());
@@ -82,8 +82,11 @@ fn every_method_is_compared_with_its_reference() {
     assert!([wren, her].iter().any(|c| c.p_holm == Some(2.0 * p)));
     assert_eq!(variant.p_holm, Some(variant.welch.unwrap().p));
     assert_eq!((wren.level, her.level, variant.level), (0.025, 0.025, 0.05));
-    assert_eq!(wren.power, stats::power(wren.effect_size.unwrap(), 3, 0.025));
-    assert_eq!(wren.needed_seeds, stats::needed_seeds(wren.effect_size.unwrap(), 0.025, 0.8));
+    // The standard deviation of 0.2, 0.5, 0.4, and that of 0.9, 0.8, 1.0, which is 0.1.
+    let spread = f64::midpoint(0.07 / 3.0, 0.01).sqrt();
+    let detectable = spread * stats::detectable_effect(3, 0.025, 0.8).unwrap();
+    assert!((wren.detectable.unwrap() - detectable).abs() < 1e-9);
+    assert_eq!((wren.improvement, wren.improvement_p), (Some(0.0), Some(0.5)));
 }
 
 #[test]

@@ -102,7 +102,7 @@ fn readings_at_other_settings_are_a_family_of_their_own() {
         assert_eq!((family.environments.join(" "), family.left_out.len()), ("ArmReach RoomA".into(), 0));
         for (_, entry) in family.claims.iter().flat_map(|claim| &claim.judged) {
             assert!((entry.confidence - (1.0 - 0.05 / count)).abs() < 1e-12, "{}", entry.confidence);
-            assert_eq!(entry.effect.environments.len(), 2);
+            assert_eq!(entry.effect.places.len(), 2);
         }
     }
     let [default, slow] = &found.families[..] else { unreachable!("two, as seen above") };

@@ -16,3 +16,4 @@ mod statistics;
 mod store;
 mod support;
 mod teaching;
+mod verdicts;

@@ -4,12 +4,12 @@
 use std::fs;
 use std::path::Path;
 
+use super::ledger::judging;
 use super::support::{key, options, write_configured};
 use reports::ReportOptions;
 use reports::analysis::group;
 use reports::analysis::ledger::{LedgerEntry, Verdict};
 use reports::analysis::readings::{JudgedClaim, ReadingFamily, Readings};
-use reports::stats::Resampling;
 use reports::store::Store;
 use reports::store::layout;
 use reports::synthetic::catalogue;
@@ -56,12 +56,7 @@ fn write_four(results: &Path, environment: &str) {
 
 pub(crate) fn readings(results: &Path) -> Readings {
     let store = Store::read(results).unwrap();
-    Readings::of(
-        &group::groups(&store, &catalogue()),
-        &catalogue(),
-        1,
-        Resampling { resamples: 2_000, ..Resampling::default() },
-    )
+    Readings::of(&group::groups(&store, &catalogue()), &judging())
 }
 
 /// The one family that there is, that of the default settings.
@@ -121,8 +116,7 @@ fn readings_are_judged_as_the_ledger_judges() {
     write_four(results.path(), "RoomA");
     let store = Store::read(results.path()).unwrap();
     let groups = group::groups(&store, &catalogue());
-    let resampling = Resampling { resamples: 2_000, ..Resampling::default() };
-    let ledger: Vec<LedgerEntry> = reports::analysis::ledger::ledger(&groups, &catalogue(), 1, resampling);
+    let ledger: Vec<LedgerEntry> = reports::analysis::ledger::ledger(&groups, &judging());
     let found = family(results.path());
     for id in ["final-dull", "area-dull"] {
         // Four baselines there and four readings here: the same level.
@@ -236,7 +230,7 @@ fn only_environments_with_all_readings_count() {
         ("RoomA RoomC".into(), "RoomB".into())
     );
     for (_, entry) in claim(&found, "final-dull").judged.iter() {
-        assert_eq!(entry.effect.environments, ["RoomA", "RoomC"]);
+        assert_eq!(entry.effect.environments(), ["RoomA", "RoomC"]);
     }
 }
 

@@ -104,9 +104,12 @@ fn tests_of_means_agree() {
         assert_close(test.df, number(&case["df"]), 1e-9);
         assert_close(test.p, number(&case["p"]), 1e-9);
     }
-    let adjusted = stats::holm(&numbers(&expected["holm"]["p"]));
-    for (got, expected) in adjusted.iter().zip(numbers(&expected["holm"]["adjusted"])) {
-        assert_close(*got, expected, 1e-12);
+    for (correction, name) in [(stats::holm as fn(&[f64]) -> Vec<f64>, "holm"), (stats::hochberg, "hochberg")]
+    {
+        let adjusted = correction(&numbers(&expected[name]["p"]));
+        for (got, expected) in adjusted.iter().zip(numbers(&expected[name]["adjusted"])) {
+            assert_close(*got, expected, 1e-12);
+        }
     }
 }
 
@@ -211,15 +214,30 @@ fn wilson_intervals_agree() {
 }
 
 #[test]
-fn power_and_needed_seeds_agree() {
+fn power_and_detectable_effects_agree() {
     let expected = fixture();
     for case in expected["power"].as_array().unwrap() {
         let power =
             stats::power(number(&case["d"]), case["n"].as_u64().unwrap(), number(&case["alpha"])).unwrap();
         assert_close(power, number(&case["power"]), 1e-7);
     }
-    for case in expected["needed"].as_array().unwrap() {
-        assert_eq!(stats::needed_seeds(number(&case["d"]), 0.05, 0.8), case["n"].as_u64());
+    for case in expected["detectable"].as_array().unwrap() {
+        let n = case["n"].as_u64().unwrap();
+        let d = stats::detectable_effect(n, number(&case["alpha"]), 0.8).unwrap();
+        assert_close(d, number(&case["d"]), 1e-5);
+    }
+}
+
+#[test]
+fn tests_of_signs_agree() {
+    for case in fixture()["signs"].as_array().unwrap() {
+        let sign = |difference: &f64| if difference.abs() < 1e-12 { 0.0 } else { difference.signum() };
+        let signs: Vec<Vec<f64>> =
+            strata(&case["strata"]).iter().map(|stratum| stratum.iter().map(sign).collect()).collect();
+        let means: Vec<f64> = signs.iter().map(|signs| stats::mean(signs).unwrap()).collect();
+        assert_close((1.0 + stats::mean(&means).unwrap()) / 2.0, number(&case["share"]), 1e-12);
+        let test = stats::sign_flip(&slices(&signs), Resampling::default()).unwrap();
+        assert_close(test.p, number(&case["p"]), 1e-12);
     }
 }
 
