@@ -1,5 +1,7 @@
 //! Methods against each other, in each environment.
 
+use std::collections::BTreeMap;
+
 use crate::analysis::complete::Pair;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::{self, Group, GroupKey};
@@ -116,11 +118,14 @@ pub fn comparisons<'a>(
         let tested: Vec<&mut Comparison<'_>> = comparisons.iter_mut().filter(is_tested).collect();
         let level = ALPHA / tested.len().max(1) as f64;
         let p_values: Vec<f64> = tested.iter().filter_map(|one| one.p()).collect();
+        // A search of milliseconds, and most comparisons have the same number of seeds.
+        let mut detectable: BTreeMap<u64, Option<f64>> = BTreeMap::new();
         for (one, adjusted) in tested.into_iter().zip(stats::holm(&p_values)) {
             one.p_holm = Some(adjusted);
             one.level = level;
             let seeds = one.n.0.min(one.n.1) as u64;
-            let d = stats::detectable_effect(seeds, level, TARGET_POWER);
+            let search = || stats::detectable_effect(seeds, level, TARGET_POWER);
+            let d = *detectable.entry(seeds).or_insert_with(search);
             // In `detectable` stands the spread so far.
             one.detectable = one.detectable.zip(d).map(|(spread, d)| spread * d);
         }

@@ -96,6 +96,12 @@ impl Store {
         Ok(Self { runs, problems })
     }
 
+    /// A store of `runs` that never were on disk, such as simulated ones.
+    pub fn of(mut runs: Vec<Run>) -> Self {
+        runs.sort_by(|a, b| a.key().cmp(b.key()));
+        Self { runs, problems: Vec::new() }
+    }
+
     /// All runs with a valid manifest, by rising key; some may hold no record yet.
     pub fn runs(&self) -> &[Run] {
         &self.runs
