@@ -184,7 +184,7 @@ mod tests {
         assert_close(all[0], [1.0, 0.0, 0.0, 0.0]);
         assert_close(all[1], QUARTER_Z);
         for (i, a) in all.iter().enumerate() {
-            // The same rotation may be written as q or −q: the absolute product tells.
+            // q and −q are the same rotation, so only the absolute value of the product counts.
             let twins = all[..i].iter().filter(|b| product(*a, conjugate(**b))[0].abs() > 0.99);
             assert_eq!(twins.count(), 0, "rotation {i} repeats an earlier one");
         }

@@ -22,8 +22,8 @@ use crate::run::folder::new_file;
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// When the run began, in seconds since 1970, pauses between attempts left out. As the first file of the
-    /// run says; that takes the run to be going on while it is written.
+    /// When the run began, in seconds since 1970, with pauses between attempts left out. It is taken from the
+    /// run's first event file, which is written as if the run were going on at that moment.
     begun: f64,
 }
 

@@ -23,8 +23,8 @@ pub const BASELINES: [&str; 4] = ["vds", "procurl", "space", "her-iid"];
 /// The control that the paper lacks, as a curriculum id: goals of the pool that nobody chooses.
 pub const CONTROL: &str = "her-iid-pool";
 
-/// Its environments, as environment ids. Where its names and its appendix B describe different goals, the
-/// task counts as there under either id: first that of the name, then those of the appendix.
+/// Its environments, as environment ids. Where its names and its appendix B describe different goals, a task
+/// counts as present under either id: that of the name comes first, then those of the appendix.
 pub const TASKS: [&[&str]; 11] = [
     &["MazeA"],
     &["MazeB"],

@@ -1,8 +1,8 @@
 //! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
-//! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties
-//! them to it: a [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its
-//! versions and processor. A [sweep](crate::sweep) carries out the plan or finds it carried out.
+//! Runs are compared by [`reports::gate`], which knows neither protocols nor programs. This module connects
+//! the two: it turns a [`Plan`] into [`ExpectedRun`]s and a protocol into JSON and back, and tells this
+//! machine's versions and processor. A [sweep](crate::sweep) carries out the plan or finds it carried out.
 //!
 //! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
 
@@ -63,7 +63,7 @@ fn as_toml(protocol: &Value, place: &str) -> Result<String, HarnessError> {
     toml::to_string(&table).map_err(|error| unfit(error.to_string()))
 }
 
-/// In what this machine is another than the one that recorded: identical curves cannot be expected then.
+/// How this machine differs from the one that recorded; if it does, identical curves cannot be expected.
 pub fn foreign(baseline: &Baseline) -> Vec<String> {
     let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {

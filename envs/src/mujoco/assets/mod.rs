@@ -14,8 +14,8 @@ use crate::error::EnvError;
 
 /// MuJoCo's `mjDSBL_NATIVECCD` flag: collide convex shapes with libccd instead of MuJoCo's own algorithm.
 pub(crate) const DISABLE_NATIVE_CCD: i32 = 1 << 17;
-/// What the reference writes over the first seven numbers of every weld: no offset, identity turned to the
-/// end.
+/// What the reference writes over the first seven numbers of every weld: no offset, and an identity rotation
+/// whose 1 stands last.
 const WELD: [f64; 7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Which collision detection MuJoCo uses.

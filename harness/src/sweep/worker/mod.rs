@@ -39,8 +39,8 @@ const LOCK_PAUSE: Duration = Duration::from_millis(50);
 /// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside
 /// the records. A run that breaks down is no failure of the worker: that is its outcome.
 ///
-/// The parent hears of everything as events, of what goes wrong as well. Whoever reads standard error gets
-/// the error: `Err` with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
+/// The parent hears of everything as events, errors included. For whoever reads standard error, an error is
+/// also returned, with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
 ///
 /// # Errors
 /// The exit code and why.
@@ -193,8 +193,8 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     Ok(())
 }
 
-/// Whether libtorch refused something to the student, or to a teacher that asked it or has networks of its
-/// own. Shapes were checked before, so the machine is to blame: there is no memory, or a device went away.
+/// Whether libtorch failed, for the student or for a teacher. Shapes were checked before, so the machine is
+/// to blame: memory ran out, or a device went away.
 fn is_libtorch(error: &RunError) -> bool {
     matches!(
         error,
