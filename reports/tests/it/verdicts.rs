@@ -285,7 +285,7 @@ fn a_mean_that_hides_many_losses_is_not_consistent() {
     );
     assert!(hidden.evidence.contains("each by its own test, uncorrected: ahead in "), "{}", hidden.evidence);
     assert_eq!(consistent(7, &|_| 0.2).verdict, Verdict::Confirmed);
-    // With 7 seeds four baselines and eleven environments leave nothing to refute it by: 4/64 is above 2 · 0.05/4.
+    // With 7 seeds nothing could refute it, four baselines and three winners beside: 4/64 is above 2 · 0.05/4.
     let refuted = consistent(10, &|index| if index < 3 { 0.5 } else { -0.3 });
     assert_eq!(refuted.verdict, Verdict::Refuted);
 }
