@@ -206,6 +206,13 @@ impl<'a> Shared<'a> {
         self.strata().map(|stratum| stratum.failed).sum()
     }
 
+    /// What a run of each stratum of a method counts; `None` where methods share seeds in every environment,
+    /// and all count the same.
+    pub(crate) fn weights(&self, strata: &[Stratum]) -> Option<Vec<f64>> {
+        let differ = self.seeds.iter().any(Vec::is_empty);
+        differ.then(|| strata.iter().map(|stratum| stratum.weight).collect())
+    }
+
     fn strata(&self) -> impl Iterator<Item = &Stratum> {
         self.methods.iter().flat_map(|(_, strata)| strata)
     }
@@ -213,12 +220,12 @@ impl<'a> Shared<'a> {
     /// One aggregate per method, in order; none where nothing is shared.
     pub fn aggregates(&self, resampling: Resampling) -> Vec<Aggregate<'a>> {
         let aggregate = |(method, strata): &(&'a GroupKey, Vec<Stratum>)| {
-            let weights: Vec<f64> = strata.iter().map(|stratum| stratum.weight).collect();
+            let weights = self.weights(strata);
             let scores: Vec<Vec<f64>> = strata.iter().map(Stratum::scores).collect();
             let slices: Vec<&[f64]> = scores.iter().map(Vec::as_slice).collect();
             let means: Option<Vec<f64>> = slices.iter().map(|scores| stats::mean(scores)).collect();
-            let gap = |strata: &[Vec<f64>]| weighted::optimality_gap(strata, &weights, TARGET);
-            let iqm = |strata: &[Vec<f64>]| weighted::iqm(strata, &weights);
+            let gap = |strata: &[Vec<f64>]| weighted::optimality_gap(strata, weights.as_deref(), TARGET);
+            let iqm = |strata: &[Vec<f64>]| weighted::iqm(strata, weights.as_deref());
             Some(Aggregate {
                 method,
                 runs: scores.iter().map(Vec::len).sum(),

@@ -2,12 +2,10 @@
 
 use crate::stats;
 
-/// [`stats::iqm`] of all runs, `weights` saying what a run of each stratum counts. Where these differ a quarter
-/// of the weight is cut off at each end, parts of runs included.
-pub fn iqm(strata: &[Vec<f64>], weights: &[f64]) -> Option<f64> {
-    if weights.iter().all(|&weight| weight == 1.0) {
-        return stats::iqm(&strata.concat());
-    }
+/// [`stats::iqm`] of all runs. `weights` say what a run of each stratum counts: a quarter of the weight is cut
+/// off at each end, parts of runs included. Without them all count the same.
+pub fn iqm(strata: &[Vec<f64>], weights: Option<&[f64]>) -> Option<f64> {
+    let Some(weights) = weights else { return stats::iqm(&strata.concat()) };
     let mut runs: Vec<(f64, f64)> = weighted(strata, weights).collect();
     runs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let all: f64 = runs.iter().map(|(_, weight)| weight).sum();
@@ -22,10 +20,8 @@ pub fn iqm(strata: &[Vec<f64>], weights: &[f64]) -> Option<f64> {
 }
 
 /// [`stats::optimality_gap`] of all runs to `target`, weighted likewise.
-pub fn optimality_gap(strata: &[Vec<f64>], weights: &[f64], target: f64) -> Option<f64> {
-    if weights.iter().all(|&weight| weight == 1.0) {
-        return stats::optimality_gap(&strata.concat(), target);
-    }
+pub fn optimality_gap(strata: &[Vec<f64>], weights: Option<&[f64]>, target: f64) -> Option<f64> {
+    let Some(weights) = weights else { return stats::optimality_gap(&strata.concat(), target) };
     let all: f64 = weighted(strata, weights).map(|(_, weight)| weight).sum();
     let gap: f64 =
         weighted(strata, weights).map(|(score, weight)| weight * (target - score.min(target))).sum();
@@ -42,10 +38,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_weights_change_nothing() {
+    fn without_weights_nothing_changes() {
         let strata = [vec![0.0, 0.25, 0.75], vec![1.0, 0.5]];
-        assert_eq!(iqm(&strata, &[1.0, 1.0]), stats::iqm(&strata.concat()));
-        assert_eq!(optimality_gap(&strata, &[1.0, 1.0], 1.0), Some(0.5));
+        assert_eq!(iqm(&strata, None), stats::iqm(&strata.concat()));
+        assert_eq!(optimality_gap(&strata, None, 1.0), Some(0.5));
     }
 
     #[test]
@@ -53,8 +49,8 @@ mod tests {
         // Weights 2, 2, 1, 1, 1, 1: the middle 4 of 8 are one of those at 0.2, and those at 0.4 and 0.6.
         let strata = [vec![0.2, 0.2], vec![0.8, 0.4, 0.6, 1.0]];
         let close = |found: Option<f64>, expected: f64| (found.unwrap() - expected).abs() < 1e-12;
-        assert!(close(iqm(&strata, &[2.0, 1.0]), (2.0 * 0.2 + 0.4 + 0.6) / 4.0));
-        assert!(close(optimality_gap(&strata, &[2.0, 1.0], 1.0), (4.0 * 0.8 + 0.2 + 0.6 + 0.4) / 8.0));
-        assert_eq!(iqm(&[], &[]), None);
+        assert!(close(iqm(&strata, Some(&[2.0, 1.0])), (2.0 * 0.2 + 0.4 + 0.6) / 4.0));
+        assert!(close(optimality_gap(&strata, Some(&[2.0, 1.0]), 1.0), (4.0 * 0.8 + 0.2 + 0.6 + 0.4) / 8.0));
+        assert_eq!(iqm(&[], Some(&[])), None);
     }
 }

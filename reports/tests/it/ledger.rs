@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, options, write_configured, write_run};
+use super::support::{key, line, options, seal, write_configured, write_run};
 use reports::analysis::ablation;
 use reports::analysis::group;
 use reports::analysis::ledger::{self, LedgerEntry, Verdict};
@@ -155,6 +155,7 @@ fn runs_that_differ_in_success_at_any_step_are_no_repeats() {
         let change =
             |text: &str| line(&Record { any_success_rate: rate, ..serde_json::from_str(text).unwrap() });
         fs::write(&records, lines.lines().map(change).collect::<String>()).unwrap();
+        seal(records.parent().unwrap());
         let evidence = entries(path).into_iter().find(|entry| entry.id == "interplay").unwrap().evidence;
         evidence.contains("the same runs")
     };
@@ -270,8 +271,8 @@ fn environments_count_alike_whatever_their_seeds() {
     // Ahead by 0.6 with 7 seeds and behind by 0.2 with 5; a third environment has too few.
     for (environment, nova, wren, seeds) in [("A", 0.8, 0.2, 7), ("B", 0.4, 0.6, 5), ("C", 1.0, 0.0, 4)] {
         for seed in 0..seeds {
-            write_configured(results.path(), &key(environment, "nova", "default", seed), &[nova], json!({}));
-            write_configured(results.path(), &key(environment, "wren", "default", seed), &[wren], json!({}));
+            write_configured(results.path(), &key(environment, "nova", "default", seed), &[0.0, nova], json!({}));
+            write_configured(results.path(), &key(environment, "wren", "default", seed), &[0.0, wren], json!({}));
         }
     }
     let entries = entries(results.path());
