@@ -3,6 +3,7 @@
 
 use crate::analysis::finals::Finals;
 use crate::analysis::group::GroupKey;
+use crate::analysis::weighted;
 use crate::stats::{self, Resampling};
 
 /// Final success rate that [`stats::optimality_gap`] is measured from.
@@ -205,6 +206,13 @@ impl<'a> Shared<'a> {
         self.strata().map(|stratum| stratum.failed).sum()
     }
 
+    /// What a run of each stratum of a method counts; `None` where methods share seeds in every environment,
+    /// and all count the same.
+    pub(crate) fn weights(&self, strata: &[Stratum]) -> Option<Vec<f64>> {
+        let differ = self.seeds.iter().any(Vec::is_empty);
+        differ.then(|| strata.iter().map(|stratum| stratum.weight).collect())
+    }
+
     fn strata(&self) -> impl Iterator<Item = &Stratum> {
         self.methods.iter().flat_map(|(_, strata)| strata)
     }
@@ -212,12 +220,12 @@ impl<'a> Shared<'a> {
     /// One aggregate per method, in order; none where nothing is shared.
     pub fn aggregates(&self, resampling: Resampling) -> Vec<Aggregate<'a>> {
         let aggregate = |(method, strata): &(&'a GroupKey, Vec<Stratum>)| {
-            let weights: Vec<f64> = strata.iter().map(|stratum| stratum.weight).collect();
+            let weights = self.weights(strata);
             let scores: Vec<Vec<f64>> = strata.iter().map(Stratum::scores).collect();
             let slices: Vec<&[f64]> = scores.iter().map(Vec::as_slice).collect();
             let means: Option<Vec<f64>> = slices.iter().map(|scores| stats::mean(scores)).collect();
-            let gap = |strata: &[Vec<f64>]| optimality_gap(strata, &weights);
-            let iqm = |strata: &[Vec<f64>]| iqm(strata, &weights);
+            let gap = |strata: &[Vec<f64>]| weighted::optimality_gap(strata, weights.as_deref(), TARGET);
+            let iqm = |strata: &[Vec<f64>]| weighted::iqm(strata, weights.as_deref());
             Some(Aggregate {
                 method,
                 runs: scores.iter().map(Vec::len).sum(),
@@ -250,41 +258,6 @@ impl<'a> Shared<'a> {
         };
         self.methods.iter().filter_map(profile).collect()
     }
-}
-
-/// [`stats::iqm`] of all runs, `weights` saying what a run of each stratum counts. Where these differ a quarter
-/// of the weight is cut off at each end, parts of runs included.
-pub(crate) fn iqm(strata: &[Vec<f64>], weights: &[f64]) -> Option<f64> {
-    if weights.iter().all(|&weight| weight == 1.0) {
-        return stats::iqm(&strata.concat());
-    }
-    let mut runs: Vec<(f64, f64)> = weighted(strata, weights).collect();
-    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let all: f64 = runs.iter().map(|(_, weight)| weight).sum();
-    let (from, to) = (all / 4.0, all * 3.0 / 4.0);
-    let (mut below, mut sum) = (0.0, 0.0);
-    for (score, weight) in runs {
-        let inside = (below + weight).min(to) - f64::max(below, from);
-        sum += score * inside.max(0.0);
-        below += weight;
-    }
-    (all > 0.0).then(|| sum / (to - from))
-}
-
-/// [`stats::optimality_gap`] of all runs, weighted likewise.
-fn optimality_gap(strata: &[Vec<f64>], weights: &[f64]) -> Option<f64> {
-    if weights.iter().all(|&weight| weight == 1.0) {
-        return stats::optimality_gap(&strata.concat(), TARGET);
-    }
-    let all: f64 = weighted(strata, weights).map(|(_, weight)| weight).sum();
-    let gap: f64 =
-        weighted(strata, weights).map(|(score, weight)| weight * (TARGET - score.min(TARGET))).sum();
-    (all > 0.0).then(|| gap / all)
-}
-
-/// (score, weight) of all runs.
-fn weighted(strata: &[Vec<f64>], weights: &[f64]) -> impl Iterator<Item = (f64, f64)> {
-    strata.iter().zip(weights).flat_map(|(scores, &weight)| scores.iter().map(move |&score| (score, weight)))
 }
 
 #[cfg(test)]

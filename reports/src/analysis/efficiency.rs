@@ -3,9 +3,10 @@
 
 use rayon::prelude::*;
 
-use crate::analysis::aggregate::{self, Shared, Stratum};
+use crate::analysis::aggregate::{Shared, Stratum};
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::scores;
+use crate::analysis::weighted;
 use crate::stats::{self, Resampling};
 use crate::store::Run;
 
@@ -32,7 +33,7 @@ pub fn curves<'a>(groups: &[&Group<'_>], shared: &Shared<'a>, resampling: Resamp
     let shares: Vec<f64> = (0..=INTERVALS).map(|index| f64::from(index) / f64::from(INTERVALS)).collect();
     let resampling = Resampling { resamples: resampling.resamples.min(MOST_RESAMPLES), ..resampling };
     let curve = |(method, strata): &(&'a GroupKey, Vec<Stratum>)| {
-        let weights: Vec<f64> = strata.iter().map(|stratum| stratum.weight).collect();
+        let weights = shared.weights(strata);
         // [environment][run][share]
         let rates: Option<Vec<Vec<Vec<f64>>>> = shared
             .environments
@@ -55,7 +56,7 @@ pub fn curves<'a>(groups: &[&Group<'_>], shared: &Shared<'a>, resampling: Resamp
             let at: Vec<Vec<f64>> =
                 rates.iter().map(|runs| runs.iter().map(|rates| rates[index]).collect()).collect();
             let slices: Vec<&[f64]> = at.iter().map(Vec::as_slice).collect();
-            let of_resample = |strata: &[Vec<f64>]| aggregate::iqm(strata, &weights);
+            let of_resample = |strata: &[Vec<f64>]| weighted::iqm(strata, weights.as_deref());
             iqm.push(of_resample(&at)?);
             let interval = stats::stratified_interval(&slices, of_resample, resampling);
             intervals = intervals.zip(interval).map(|(mut all, one)| {

@@ -21,4 +21,5 @@ pub mod readings;
 pub mod scores;
 pub mod summary;
 pub mod teaching;
+pub mod weighted;
 pub mod whole;

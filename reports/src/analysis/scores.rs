@@ -153,7 +153,10 @@ mod tests {
     #[test]
     fn equal_shares_give_equal_scores() {
         // The floating-point sums differ in their last bit.
-        let (a, b) = (records(&[(0, 0.1), (1, 0.2), (2, 0.3)]), records(&[(0, 0.3), (1, 0.2), (2, 0.1)]));
+        let (a, b) = (
+            records(&[(0, 0.0), (1, 0.1), (2, 0.2), (3, 0.3)]),
+            records(&[(0, 0.0), (1, 0.3), (2, 0.2), (3, 0.1)]),
+        );
         assert_ne!(0.1 + 0.2 + 0.3, 0.3 + 0.2 + 0.1);
         assert_eq!(final_score(&a, 3), final_score(&b, 3));
     }

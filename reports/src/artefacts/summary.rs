@@ -17,10 +17,15 @@ pub(super) const ROW: Artefact =
         .repeated(Repeated::Open);
 
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
-    Sheet::of(caption(analysis.options), &analysis.summaries, &columns())
+    Sheet::of(
+        caption(analysis.options),
+        &analysis.summaries,
+        &columns(analysis.summaries.iter().any(|row| row.n_failed > 0)),
+    )
 }
 
-fn columns() -> Vec<Column<'static, GroupSummary>> {
+/// `any_failed`: whether the analysis without failed runs is to be read beside the other.
+fn columns(any_failed: bool) -> Vec<Column<'static, GroupSummary>> {
     vec![
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
@@ -34,14 +39,7 @@ fn columns() -> Vec<Column<'static, GroupSummary>> {
         Column::real("final_std", "its standard deviation over seeds, ddof = 1; empty for one seed", |row: &GroupSummary| {
             row.final_std
         }),
-        Column::real(
-            "final_finished_mean",
-            "the same mean without failed runs; empty where none failed, or none finished",
-            |row: &GroupSummary| row.final_of_finished.map(|of| of.0),
-        )
-        .shown("Without failed", |row| {
-            or_undefined(row.final_of_finished, |(mean, std)| with_spread(Some(mean), std))
-        }),
+        without_failed(any_failed),
         Column::real("final_finished_std", "its standard deviation over seeds", |row: &GroupSummary| {
             row.final_of_finished.and_then(|of| of.1)
         }),
@@ -86,6 +84,18 @@ fn columns() -> Vec<Column<'static, GroupSummary>> {
             row.cost.gradient_steps
         }),
     ]
+}
+
+/// The final success of finished runs alone.
+fn without_failed(shown: bool) -> Column<'static, GroupSummary> {
+    let column = Column::real(
+        "final_finished_mean",
+        "the same mean without failed runs; empty where none failed, or none finished",
+        |row: &GroupSummary| row.final_of_finished.map(|of| of.0),
+    );
+    let text =
+        |row: &GroupSummary| or_undefined(row.final_of_finished, |(mean, std)| with_spread(Some(mean), std));
+    if shown { column.shown("Without failed", text) } else { column }
 }
 
 fn caption(options: &ReportOptions) -> String {

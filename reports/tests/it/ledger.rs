@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::support::{key, line, options, write_configured, write_run};
+use super::support::{key, line, options, seal, write_configured, write_run};
 use reports::ReportOptions;
 use reports::analysis::ablation;
 use reports::analysis::group;
@@ -165,6 +165,7 @@ fn runs_that_differ_in_success_at_any_step_are_no_repeats() {
         let change =
             |text: &str| line(&Record { any_success_rate: rate, ..serde_json::from_str(text).unwrap() });
         fs::write(&records, lines.lines().map(change).collect::<String>()).unwrap();
+        seal(records.parent().unwrap());
         let evidence = entries(path).into_iter().find(|entry| entry.id == "interplay").unwrap().evidence;
         evidence.contains("the same runs")
     };

@@ -197,7 +197,7 @@ fn bootstrap_intervals_of_few_seeds_cover_less() {
     // What captions say of them, and why no verdict rests on them.
     for (pairs, coverage) in [(2, 0.51), (3, 0.77), (5, 0.83), (7, 0.88)] {
         let (_, missed) = false_alarms(&[pairs], 0.95);
-        assert_close(1.0 - missed, coverage, 0.02);
+        assert_close(1.0 - missed, coverage, 0.03);
     }
 }
 

@@ -140,7 +140,8 @@ fn axis(progress: Progress, last: f64, most_ticks: u64, unit: TimeUnit) -> XAxis
         Progress::GradientSteps => steps("Gradient steps"),
         Progress::Hours => {
             // Round in the unit that is shown.
-            let ticks = ticks::reals(end * unit.per_hour, most_ticks).into_iter();
+            let end_in_units = (end * unit.per_hour * 1e6).round() / 1e6;
+            let ticks = ticks::reals(end_in_units, most_ticks).into_iter();
             let ticks = ticks.map(|tick| tick / unit.per_hour).collect();
             XAxis { name: unit.name, end, ticks, label: unit.label }
         }

@@ -12,8 +12,8 @@
 //!         .shown("Hours", |row| format!("{:.2}", row.1)),
 //! ];
 //! let sheet = Sheet::of("How long it took.".to_owned(), &[("a", 1.25), ("b", 0.5)], &columns)?;
-//! assert!(sheet.table.markdown().ends_with("| Name | Hours |\n| --- | ---: |\n| a | 1.25 |\n| b | 0.50
-//! |\n")); assert_eq!(reports::render::table::csv(sheet.data)?, b"name,hours\na,1.25\nb,0.5\n");
+//! assert!(sheet.table.markdown().ends_with("| a | 1.25 |\n| b | 0.50 |\n"));
+//! assert_eq!(reports::render::table::csv(sheet.data)?, b"name,hours\na,1.25\nb,0.5\n");
 //! # Ok::<(), reports::ReportError>(())
 //! ```
 
