@@ -61,6 +61,15 @@ fn unusable_options_say_what_is_accepted() {
     refused(&with(&["--executor", "slurm", "--jobs", "2"]), &["--jobs", "--at-once"]);
     refused(&with(&["--set", "evaluation.every=10"]), &["evaluation.every", "one cycle"]);
     refused(&["report", "/nowhere/at/all"], &["/nowhere/at/all"]);
+    for (option, value, accepted) in [
+        ("--window", "0", "1.."),
+        ("--confidence", "0.4", "a number above 0.5 and below 1 is accepted"),
+        ("--margin", "2", "a number above 0 and below 1 is accepted"),
+        ("--fewest-pairs", "0", "1.."),
+        ("--failures", "never", "zero, apart"),
+    ] {
+        refused(&["report", "anywhere", option, value], &[option, value, accepted]);
+    }
 }
 
 #[test]

@@ -4,7 +4,9 @@ use super::{Artefact, Repeated, Section, columns};
 use crate::analysis::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, with_interval};
+use crate::render::table::cells::{
+    BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, thousands, with_interval,
+};
 use crate::render::table::{Column, Sheet};
 use crate::stats::{MOST_ENUMERATED, Resampling};
 
@@ -140,7 +142,7 @@ fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
         Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| {
             row.note.map(str::to_owned)
         })
-        .shown("Note", |row| row.note.unwrap_or_default().to_owned()),
+        .named("Note", |row| row.note.unwrap_or_default().to_owned()),
     ]
 }
 
@@ -160,6 +162,6 @@ fn caption(resampling: Resampling) -> String {
          that this test finds with a power of {TARGET_POWER}, given the seeds at hand and their spread, at the strictest \
          level of that correction ({ALPHA} over the number of tests).",
         columns::percent(resampling.confidence),
-        resampling.resamples,
+        thousands(resampling.resamples as u64),
     )
 }

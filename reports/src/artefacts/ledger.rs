@@ -5,7 +5,7 @@ use crate::analysis::ledger::LedgerEntry;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::table::cells::{decimal, or_undefined, p_value, with_interval};
+use crate::render::table::cells::{decimal, or_undefined, p_value, thousands, with_interval};
 use crate::render::table::{Column, Sheet};
 use crate::stats::MOST_ENUMERATED;
 
@@ -95,11 +95,12 @@ fn caption(options: &ReportOptions) -> String {
          too few pairs for the test to refuse anything. Its null is that the two runs of a pair are exchangeable; it is \
          exact up to {MOST_ENUMERATED} pairs, of more it draws {} flips. Pairs ahead: the share of pairs in which the first \
          side is ahead, ties one half, and p of the same test of these signs. A verdict on an average needs means and \
-         signs to agree. No difference: within ±{margin} in every environment. All pairs count in the test, at least \
+         signs to agree. No difference: within ±{margin} in every environment, by \
+         two one-sided tests, whose interval covers 1 minus twice the level. All pairs count in the test, at least \
          {fewest_pairs} in all are needed, and environments with fewer are named. Values of a setting whose runs are those \
          of the reference evaluation by evaluation come to the same in the method: they are not tested and count for no \
          correction.",
         columns::percent(resampling.confidence),
-        resampling.resamples,
+        thousands(resampling.resamples as u64),
     )
 }

@@ -19,6 +19,7 @@ mod intervals;
 mod learning;
 mod ledger;
 mod made;
+mod options;
 mod page;
 mod profiles;
 mod readings;
@@ -60,6 +61,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     comparisons::ROW,
     environments::ROW,
     deviations::ROW,
+    options::ROW,
 ];
 
 /// A row of [`ARTEFACTS`].

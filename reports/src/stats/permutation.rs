@@ -1,4 +1,4 @@
-//! Two small samples compared without assuming how they are distributed.
+//! Two small samples compared by exchanging their values.
 
 /// Values that differ by less are equal: sums of the same numbers in another order must count as ties.
 const ROUNDING: f64 = 1e-9;

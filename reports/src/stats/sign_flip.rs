@@ -1,4 +1,4 @@
-//! Paired differences tested without assuming how they are distributed.
+//! Paired differences tested by flipping their signs.
 
 use rand::Rng;
 use rayon::prelude::*;
@@ -21,9 +21,11 @@ pub struct SignFlip {
 }
 
 /// The sign-flip test (Fisher 1935; Good 2005, "Permutation, Parametric and Bootstrap Tests of Hypotheses")
-/// of the mean over strata of the mean difference, where every difference has its sign flipped or not. Where
-/// both sides of a pair come from one distribution, whatever it is, p is at most x with a probability of at
-/// most x.
+/// of the mean over strata of the mean difference, where every difference has its sign flipped or not. Its null
+/// is that the two sides of a pair are exchangeable, as they are where both come from one distribution,
+/// whatever it is: then p is at most x with a probability of at most x. Sides that have equal means and are
+/// not exchangeable, such as one that rarely collapses, may be refused more often. The test of the
+/// differences' signs alone, -1, 0 and 1, is the companion that a few large differences cannot decide.
 ///
 /// Flips are enumerated up to [`MOST_ENUMERATED`] differences; of more, `resampling.resamples` are drawn, and
 /// the differences as they are count as one more (Phipson and Smyth 2010), so that the level holds all the

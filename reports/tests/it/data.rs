@@ -35,7 +35,8 @@ fn the_data_are_complete_and_described() {
         ("teaching", 0),
         ("aggregates", 0),
         ("comparisons", 1),
-        ("ledger", 11),
+        ("ledger", 15),
+        ("ledger-elsewhere", 0),
         ("readings", 0),
         ("environments", 0),
     ];

@@ -84,6 +84,7 @@ fn all_files_are_written_and_returned() {
         "figures/success-RoomB.svg",
         "files.txt",
         "index.html",
+        "ledger-elsewhere.csv",
         "ledger.csv",
         "readings.csv",
         "records.csv",
@@ -96,6 +97,7 @@ fn all_files_are_written_and_returned() {
         "tables/costs.tex",
         "tables/deviations.tex",
         "tables/ledger.tex",
+        "tables/options.tex",
         "tables/summary.tex",
         "teaching.csv",
     ];

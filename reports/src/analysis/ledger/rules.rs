@@ -30,7 +30,7 @@ impl Rule {
                  interval lies below {margin}"
             ),
             Self::Equivalent => format!(
-                "confirmed if in every environment every interval at 1 - 2α lies within ±{margin} (two one-sided tests), \
+                "confirmed if in every environment every one-sided interval lies within ±{margin}, \
                  refuted if one environment is outside (corrected)"
             ),
             Self::SomeAbove => "confirmed if one interval lies wholly above 0 and the signs of its pairs say the same, \
@@ -41,7 +41,7 @@ impl Rule {
                 .to_owned(),
             Self::Mixed => format!(
                 "confirmed if one value is above 0 in an environment and below 0 in another (corrected), refuted if in \
-                 every environment every interval at 1 - 2α lies within ±{margin}"
+                 every environment every one-sided interval lies within ±{margin}"
             ),
             Self::SomewhereBest => "confirmed if in some environment every other value is below 0 (corrected over \
                                     environments), refuted if in every environment some other value is above 0"
