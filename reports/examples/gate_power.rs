@@ -6,8 +6,8 @@
 //!
 //! Scores of the seeds of a check, and of a baseline to compare them with, are drawn from the normal
 //! distribution that has the means of the recorded seeds' scores and their covariances between cells and
-//! metrics. In cells that fell, the final success of all seeds is lower by as much as said, and the area under
-//! the curve by the same share of its mean; a cell cannot fall below 0.
+//! metrics. In cells that fell, the final success of all seeds is lower by as much as said, and the area
+//! under the curve by the same share of its mean; a cell cannot fall below 0.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -115,8 +115,8 @@ impl Gate {
         text
     }
 
-    /// By how much each test's mean score falls where the final success of the cells `fallen` falls by `fall`.
-    /// Shape: one number per test.
+    /// By how much each test's mean score falls where the final success of the cells `fallen` falls by
+    /// `fall`. Shape: one number per test.
     fn falls(&self, fallen: &[usize], fall: f64) -> Vec<f64> {
         let of_cell = |index: usize, metric: Metric| {
             let share = (fall / self.mean(index, Metric::FinalSuccess)).min(1.0);
@@ -143,8 +143,8 @@ impl Gate {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         rng.set_stream(draw);
         let recorded = self.recorded.first().map_or(0, |sample| sample.now.len());
-        // A seed's scores lie off their means by the recorded deviations, each times a weight that is the same
-        // for all tests. With weights of variance 1 / (n - 1) the covariances are those of the records.
+        // A seed's scores lie off their means by the recorded deviations, each times a weight that is the
+        // same for all tests. With weights of variance 1 / (n - 1) the covariances are those of the records.
         let mut weights = |seeds: usize| -> Vec<Vec<f64>> {
             let scale = ((recorded - 1) as f64).sqrt();
             let of_seed = |_| (0..recorded).map(|_| rng.sample::<f64, _>(StandardNormal) / scale).collect();
