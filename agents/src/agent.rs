@@ -7,7 +7,9 @@ use envs::rng::Rng;
 use envs::{Observation, Reward, Rows, Spec};
 
 use crate::batch::Batch;
+use crate::episode::Episode;
 use crate::error::AgentError;
+use crate::networks::Parameters;
 
 /// Which copy of the networks answers: the trained ones or their slowly following targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -21,15 +23,6 @@ pub enum Network {
     /// The averaged critic judges the actions of the trained policy: Q'(s, g, π(s, g)), the smooth value
     /// function of TEACH, section 5.4 and Eq. 12.
     TargetCritic,
-}
-
-/// One of the two copies that every network is kept in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Parameters {
-    /// The one that gradient steps change.
-    Online,
-    /// Its Polyak average.
-    Target,
 }
 
 impl Network {
@@ -96,21 +89,6 @@ pub trait Critic {
     /// # Errors
     /// [`AgentError::NotFinite`] if an action is NaN, [`AgentError::Shape`] if `batch` is of another task.
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError>;
-}
-
-/// One finished episode, horizon H.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Episode {
-    /// States, shape `[H + 1, S]`.
-    pub states: Rows,
-    /// Achieved goals, shape `[H + 1, G]`.
-    pub achieved: Rows,
-    /// Actions, shape `[H, A]`.
-    pub actions: Rows,
-    /// The goal asked for, shape `[G]`.
-    pub goal: Vec<f64>,
-    /// Success at the last step.
-    pub success: bool,
 }
 
 /// How an action is chosen.

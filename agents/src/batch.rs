@@ -2,8 +2,8 @@
 
 use envs::Spec;
 
+use crate::draw::Draw;
 use crate::error::AgentError;
-use crate::replay::Draw;
 
 /// `n` transitions (s, a, r, s') with the goal they are judged by; every field is a flat matrix of `n` rows.
 ///

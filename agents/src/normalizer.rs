@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
-use crate::config::{MOST_EPISODES, at_most, positive};
+use crate::checks::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
 
 /// How inputs are normalised: clip((clip(x, ±`clip_before`) − mean) / max(std, `std_floor`), ±`clip_after`).

@@ -141,9 +141,9 @@ mod tests {
     use envs::{Defaults, EnvOptions, Rows, Spec};
 
     use super::Products;
-    use crate::agent::Episode;
     use crate::auto::Auto;
     use crate::config::StudentConfig;
+    use crate::episode::Episode;
     use crate::networks::done;
 
     /// With a batch small enough to be one part.

@@ -73,7 +73,8 @@ mod tests {
     use envs::rng::{Purpose, Rng, stream};
 
     use crate::StudentConfig;
-    use crate::agent::{Agent, Episode, Mode};
+    use crate::agent::{Agent, Mode};
+    use crate::episode::Episode;
     use crate::registry::make;
 
     /// A student, its environment and streams, small enough to train in a blink.

@@ -7,13 +7,14 @@ use envs::{Rows, Spec};
 use serde::{Deserialize, Serialize};
 use tch::{Device, TchError};
 
-use crate::agent::{Episode, Parameters};
 use crate::batch::{Batch, Dims, check_len};
-use crate::config::{StudentConfig, at_least, fraction, positive};
+use crate::checks::{at_least, fraction, positive};
+use crate::config::StudentConfig;
+use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
-use crate::networks::{Output, Passes, SavedStack, Shape, read};
+use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, read};
 use crate::normalizer::{Moments, Normalizer, NormalizerConfig};
 use crate::value::ValueLearner;
 

@@ -3,11 +3,11 @@ use envs::{Defaults, Rows, Spec};
 use rand::Rng as _;
 
 use super::{Ensemble, EnsembleConfig};
-use crate::agent::Episode;
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::StudentConfig;
 use crate::device::far_away;
+use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::normalizer::{Normalizer, NormalizerConfig};
 

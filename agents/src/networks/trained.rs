@@ -10,9 +10,17 @@ use super::block::copy;
 use super::shape::Shape;
 use super::slices::with_slices;
 use super::stack::Stack;
-use crate::agent::Parameters;
 use crate::device::in_reach;
 use crate::error::AgentError;
+
+/// One of the two copies that every network is kept in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parameters {
+    /// The one that gradient steps change.
+    Online,
+    /// Its Polyak average.
+    Target,
+}
 
 /// A stack with all that its training needs.
 #[derive(Debug)]
