@@ -8,7 +8,7 @@ use crate::env::{Observation, Reward};
 use crate::error::EnvError;
 use crate::metric::WithinDistance;
 use crate::playback::{PlaybackError, RecordedWorld, Start};
-use crate::render::{PlaneScene, Rectangle, Scene};
+use crate::scene::{PlaneScene, Rectangle, Scene};
 use crate::world::World;
 
 /// Distance within which a goal counts as reached.

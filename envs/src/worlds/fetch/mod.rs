@@ -20,7 +20,7 @@ use crate::metric::{WithinDistance, distance};
 use crate::mujoco::{Physics, Sim, Snapshot};
 use crate::playback::{PlaybackError, RecordedWorld, Start};
 use crate::registry::{Constructor, EnvOptions, Environment, PaperRow, Verification};
-use crate::render::{GoalShape, Scene, SimulationScene, Sphere, Viewpoint};
+use crate::scene::{GoalShape, Scene, SimulationScene, Sphere, Viewpoint};
 use crate::world::{Env, World};
 
 use super::ROBOTICS;

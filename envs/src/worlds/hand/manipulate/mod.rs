@@ -11,8 +11,8 @@ use crate::error::EnvError;
 use crate::mujoco::sim::Joint;
 use crate::mujoco::{Physics, Site, Snapshot};
 use crate::playback::{PlaybackError, RecordedWorld, Start};
-use crate::render::{GoalShape, Scene};
 use crate::rotation::{Quat, normalized, parallel_rotations, product};
+use crate::scene::{GoalShape, Scene};
 use crate::world::World;
 use crate::writer::Writer;
 
