@@ -186,7 +186,7 @@ impl Normalizer {
         let widths = (moments.sum.len(), moments.sum_of_squares.len());
         if widths != (self.width(), self.width()) {
             let reason = format!("a normaliser of {} numbers where {} are expected", widths.0, self.width());
-            return Err(AgentError::State { reason });
+            return Err(AgentError::misfit(reason));
         }
         self.moments = moments;
         self.refresh();

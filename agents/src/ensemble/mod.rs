@@ -11,7 +11,7 @@ use crate::batch::{Batch, Dims, check_len};
 use crate::checks::{at_least, fraction, positive};
 use crate::config::StudentConfig;
 use crate::episode::Episode;
-use crate::error::AgentError;
+use crate::error::{AgentError, StateProblem};
 use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
 use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, read};
@@ -286,7 +286,7 @@ impl Ensemble {
             steps: self.steps,
             episodes: self.episodes,
         };
-        postcard::to_stdvec(&saved).map_err(|error| AgentError::State { reason: error.to_string() })
+        Ok(postcard::to_stdvec(&saved).expect("plain data in memory always serialises"))
     }
 
     /// Takes back what [`Ensemble::save`] gave: training on from here gives the same bytes as never having
@@ -296,7 +296,7 @@ impl Ensemble {
     /// [`AgentError::State`] if the bytes are not those of an ensemble of this shape.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), AgentError> {
         let saved: Saved<'_> = postcard::from_bytes(bytes)
-            .map_err(|error| AgentError::State { reason: format!("no ensemble: {error}") })?;
+            .map_err(|error| AgentError::State { source: StateProblem::Ensemble(error) })?;
         self.learner.networks.load(&saved.networks)?;
         self.normalizers.state.set_moments(saved.state.into_owned())?;
         self.normalizers.goal.set_moments(saved.goal.into_owned())?;

@@ -109,7 +109,7 @@ impl Trained {
             if numbers.len() != tensor.numel() {
                 let (got, expected) = (numbers.len(), tensor.numel());
                 let reason = format!("networks of {got} parameters where {expected} are expected");
-                return Err(AgentError::State { reason });
+                return Err(AgentError::misfit(reason));
             }
             copy(tensor, &Tensor::f_from_slice(numbers)?.f_view_as(tensor)?)?;
         }
