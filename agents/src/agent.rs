@@ -142,7 +142,7 @@ pub trait Agent: Critic + Send {
 
     /// Appends the episodes that came in since the last save to the log in folder `replay` (created if
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.
-    /// Random streams belong to the caller.
+    /// Random streams are not included: they belong to the caller.
     ///
     /// A save never overwrites episodes that an earlier state refers to, and removes old ones only one save
     /// after they were last needed. A caller that writes the returned bytes atomically after this call can

@@ -1,4 +1,4 @@
-//! What can go wrong with a student. An error says its own part alone; its cause is its source.
+//! What can go wrong with a student. An error's text never repeats its cause, which is its source.
 
 use std::path::PathBuf;
 

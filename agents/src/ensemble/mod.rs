@@ -78,7 +78,7 @@ pub struct Ensemble {
     inputs: TransitionInputs,
     query: Query,
     steps: u64,
-    /// The student's config of normalisers, which holds for these too.
+    /// The student's config of its normalisers, valid for these too.
     normalizer: NormalizerConfig,
     /// Episodes that were offered to the normalisers.
     episodes: u64,

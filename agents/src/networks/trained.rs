@@ -22,7 +22,7 @@ pub(crate) enum Parameters {
     Target,
 }
 
-/// A stack with all that its training needs.
+/// A stack with everything its training needs.
 #[derive(Debug)]
 pub(crate) struct Trained {
     online: Stack,
