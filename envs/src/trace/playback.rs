@@ -11,7 +11,7 @@ use crate::mujoco::Physics;
 use crate::playback::{Playback, PlaybackError, Start};
 use crate::registry::{self, EnvOptions, Verification};
 
-/// Plays all that `recording` holds back.
+/// Plays back everything in `recording`.
 pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport, Box<Problem>> {
     let Recording { meta, resets, traces } = recording;
     if resets.is_empty() && traces.is_empty() {
@@ -134,7 +134,7 @@ impl Verifier {
     }
 }
 
-/// `qpos` and `qvel` of a simulation. A maze has neither, so that none may be recorded for it.
+/// `qpos` and `qvel` of a simulation. A maze has neither, so its recording must hold none.
 fn positions_and_velocities(state: &Start) -> (&[f64], &[f64]) {
     match state {
         Start::Simulation(state) => (&state.qpos, &state.qvel),

@@ -1,5 +1,4 @@
-//! What Point and the mazes share: a point on the square [−1, 1]² that knows its position and has to come
-//! close to a goal.
+//! What Point and the mazes share: a point on the square [−1, 1]² that has to come close to a goal.
 
 use serde_json::{Map, Value};
 
