@@ -20,10 +20,11 @@ pub enum StateSource {
     /// They are renewed now and then, with a hand-over: see [`Probe`].
     #[default]
     Reference,
-    /// Fresh draws from the replay buffer at every evaluation: unbiased, but confidence then also changes with
-    /// the sample.
+    /// Fresh draws from the replay buffer at every evaluation: unbiased, but confidence then also changes
+    /// with the sample.
     Replay,
-    /// The start state of the coming episode. Where starts are random, confidence also changes with the start.
+    /// The start state of the coming episode. Where starts are random, confidence also changes with the
+    /// start.
     Initial,
 }
 

@@ -40,8 +40,8 @@ pub fn load<S: DeserializeOwned>(id: &str, version: u32, bytes: &[u8]) -> Result
     from_plain_bytes(open(id, version, bytes)?)
 }
 
-/// `state`, the bytes of a state alone, marked with the method's `id` and the `version` of its state. No bytes
-/// stay no bytes: they are those of a stateless teacher.
+/// `state`, the bytes of a state alone, marked with the method's `id` and the `version` of its state. No
+/// bytes stay no bytes: they are those of a stateless teacher.
 pub(crate) fn seal(id: &str, version: u32, state: Vec<u8>) -> Vec<u8> {
     if state.is_empty() {
         return state;

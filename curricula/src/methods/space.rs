@@ -26,8 +26,8 @@
 //!   unless the mean is 0 itself.
 //! - The authors' code compares with η |m_t|, having overwritten m_{t−1} just before. Here it is η |m_{t−1}|,
 //!   as in the port (which asks for <, where this and the authors' code ask for ≤).
-//! - With `reference`, m_{t−1} and m_t are measured from the same states. m_{t−1} is the mean over the set that
-//!   was trained on before the last update.
+//! - With `reference`, m_{t−1} and m_t are measured from the same states. m_{t−1} is the mean over the set
+//!   that was trained on before the last update.
 //! - K grows by exactly κ. In the authors' code the size is a fraction of the pool, rounded up, and now and
 //!   then leaps by two.
 //! - After place i of the set comes place (i + 1) mod K, with the K of that moment, also across updates, as
