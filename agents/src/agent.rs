@@ -7,7 +7,9 @@ use envs::rng::Rng;
 use envs::{Observation, Reward, Rows, Spec};
 
 use crate::batch::Batch;
+use crate::episode::Episode;
 use crate::error::AgentError;
+use crate::networks::Parameters;
 
 /// Which copy of the networks answers: the trained ones or their slowly following targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -21,15 +23,6 @@ pub enum Network {
     /// The averaged critic judges the actions of the trained policy: Q'(s, g, π(s, g)), the smooth value
     /// function of TEACH, section 5.4 and Eq. 12.
     TargetCritic,
-}
-
-/// One of the two copies that every network is kept in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Parameters {
-    /// The one that gradient steps change.
-    Online,
-    /// Its Polyak average.
-    Target,
 }
 
 impl Network {
@@ -98,21 +91,6 @@ pub trait Critic {
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError>;
 }
 
-/// One finished episode, horizon H.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Episode {
-    /// States, shape `[H + 1, S]`.
-    pub states: Rows,
-    /// Achieved goals, shape `[H + 1, G]`.
-    pub achieved: Rows,
-    /// Actions, shape `[H, A]`.
-    pub actions: Rows,
-    /// The goal asked for, shape `[G]`.
-    pub goal: Vec<f64>,
-    /// Success at the last step.
-    pub success: bool,
-}
-
 /// How an action is chosen.
 pub enum Mode<'a> {
     /// The policy's own action.
@@ -164,7 +142,7 @@ pub trait Agent: Critic + Send {
 
     /// Appends the episodes that came in since the last save to the log in folder `replay` (created if
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.
-    /// Random streams belong to the caller.
+    /// Random streams are not included: they belong to the caller.
     ///
     /// A save never overwrites episodes that an earlier state refers to, and removes old ones only one save
     /// after they were last needed. A caller that writes the returned bytes atomically after this call can

@@ -2,8 +2,8 @@
 
 use envs::Spec;
 
+use crate::draw::Draw;
 use crate::error::AgentError;
-use crate::replay::Draw;
 
 /// `n` transitions (s, a, r, s') with the goal they are judged by; every field is a flat matrix of `n` rows.
 ///
@@ -14,9 +14,9 @@ pub struct Batch {
     pub(crate) len: usize,
     /// Dimensions S, G, A.
     pub(crate) dims: Dims,
-    /// Which transitions these are: scratch of the sampling.
+    /// Which transitions these are; scratch memory of the sampling.
     pub(crate) draws: Vec<Draw>,
-    /// An achieved goal and a wanted one in double precision, shape `[2, G]`: scratch of the sampling.
+    /// An achieved goal and a wanted one in double precision, shape `[2, G]`; scratch memory of the sampling.
     pub(crate) goal_pair: [Vec<f64>; 2],
     /// s, shape `[n, S]`.
     pub states: Vec<f32>,

@@ -7,11 +7,15 @@ use envs::Spec;
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
+use crate::checks::{MOST_EPISODES, accept, at_least, at_most, fraction, not_negative, positive};
 use crate::device::Device;
+use crate::draw::{HerStrategy, Hindsight};
 use crate::error::AgentError;
 use crate::noise::NoiseConfig;
 use crate::normalizer::NormalizerConfig;
-use crate::replay::{HerStrategy, Hindsight};
+
+/// Id of the agent that a config without one means.
+pub(crate) const DEFAULT_AGENT: &str = "ddpg-her";
 
 /// Which values the fields left at "auto" take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,7 +107,7 @@ pub struct StudentConfig {
 impl Default for StudentConfig {
     fn default() -> Self {
         Self {
-            agent: crate::registry::AGENTS[0].id.to_owned(),
+            agent: DEFAULT_AGENT.to_owned(),
             preset: Preset::default(),
             device: Device::default(),
             batch: Auto::Auto,
@@ -209,48 +213,13 @@ impl StudentConfig {
     }
 }
 
-/// The largest number of episodes that a field accepts: more than any run has, and small enough that counting
-/// their steps cannot overflow.
-pub(crate) const MOST_EPISODES: u64 = 1_000_000_000;
-
-/// Refuses `field` with `reason` unless `good`.
-pub(crate) fn accept(
-    field: &'static str,
-    good: bool,
-    reason: impl FnOnce() -> String,
-) -> Result<(), AgentError> {
-    if good { Ok(()) } else { Err(AgentError::Config { field, reason: reason() }) }
-}
-
-pub(crate) fn at_least(field: &'static str, given: usize, least: usize) -> Result<(), AgentError> {
-    accept(field, given >= least, || format!("{given} given, a whole number of at least {least} accepted"))
-}
-
-pub(crate) fn at_most(field: &'static str, given: u64, most: u64) -> Result<(), AgentError> {
-    accept(field, given <= most, || format!("{given} given, a whole number of at most {most} accepted"))
-}
-
-pub(crate) fn positive(field: &'static str, given: f64) -> Result<(), AgentError> {
-    accept(field, given > 0.0 && given.is_finite(), || format!("{given} given, a positive number accepted"))
-}
-
-pub(crate) fn not_negative(field: &'static str, given: f64) -> Result<(), AgentError> {
-    accept(field, given >= 0.0 && given.is_finite(), || {
-        format!("{given} given, a number of at least 0 accepted")
-    })
-}
-
-pub(crate) fn fraction(field: &'static str, given: f64) -> Result<(), AgentError> {
-    accept(field, (0.0..=1.0).contains(&given), || format!("{given} given, a number in [0, 1] accepted"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::{PolyakEvery, Preset, StudentConfig};
     use crate::auto::Auto;
+    use crate::draw::HerStrategy;
     use crate::noise::NoiseConfig;
     use crate::normalizer::NormalizerConfig;
-    use crate::replay::HerStrategy;
 
     fn read(text: &str) -> Result<StudentConfig, String> {
         toml::from_str(text).map_err(|error| error.to_string())

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{AgentError, first_line};
+use crate::error::{AgentError, DeviceProblem, TorchError};
 use crate::runtime::{libtorch_folder, libtorch_version};
 
 /// A kind of device.
@@ -28,14 +28,14 @@ impl Device {
         match self {
             Self::Cpu => Ok(tch::Device::Cpu),
             Self::Cuda => {
-                static LOADED: OnceLock<Result<(), String>> = OnceLock::new();
+                static LOADED: OnceLock<Result<(), DeviceProblem>> = OnceLock::new();
                 let outcome = LOADED.get_or_init(|| match libtorch_folder() {
                     Some(folder) => load_cuda(&folder),
-                    None => Err("the folder of the loaded libtorch_cpu.so could not be found".to_owned()),
+                    None => Err(DeviceProblem::NoFolder),
                 });
                 match outcome {
                     Ok(()) => Ok(tch::Device::Cuda(0)),
-                    Err(reason) => Err(AgentError::Device { device: "cuda", reason: reason.clone() }),
+                    Err(source) => Err(AgentError::Device { device: "cuda", source }),
                 }
             }
         }
@@ -44,21 +44,16 @@ impl Device {
 
 /// Loads `libtorch_cuda.so` from the folder of the libtorch this process runs on, so that it registers its
 /// kernels, and tries it out.
-fn load_cuda(folder: &Path) -> Result<(), String> {
+fn load_cuda(folder: &Path) -> Result<(), DeviceProblem> {
     let library = folder.join("libtorch_cuda.so");
     if !library.is_file() {
-        return Err(format!(
-            "{} is missing; point LD_LIBRARY_PATH at the lib folder of a CUDA build of libtorch {}, such as torch/lib in a \
-             Python install of it",
-            library.display(),
-            libtorch_version()
-        ));
+        return Err(DeviceProblem::Missing { library, version: libtorch_version() });
     }
-    open_globally(&library).map_err(|error| format!("{} does not load: {error}", library.display()))?;
+    open_globally(&library).map_err(|source| DeviceProblem::Loading { library, source })?;
     match multiply_on(tch::Device::Cuda(0)) {
         Ok(4.0) => Ok(()),
-        Ok(sum) => Err(format!("libtorch multiplies wrongly on a CUDA device: 4 is {sum}")),
-        Err(error) => Err(format!("libtorch cannot use a CUDA device: {}", first_line(&error))),
+        Ok(sum) => Err(DeviceProblem::Wrong(sum)),
+        Err(error) => Err(DeviceProblem::Unusable(TorchError(error))),
     }
 }
 
@@ -105,6 +100,7 @@ pub(crate) fn far_away<T>(work: impl FnOnce() -> T) -> T {
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
+    use std::error::Error as _;
 
     use super::{Device, in_reach, load_cuda, multiply_on};
 
@@ -132,8 +128,9 @@ mod tests {
         match Device::Cuda.open() {
             Ok(device) => assert_eq!(device, tch::Device::Cuda(0)),
             Err(error) => {
-                let text = error.to_string();
-                assert!(text.starts_with("device cuda: ") && text.contains("CUDA"), "{text}");
+                assert_eq!(error.to_string(), "device cuda");
+                let cause = error.source().unwrap().to_string();
+                assert!(cause.contains("CUDA") || cause.contains("libtorch_cuda.so"), "{cause}");
             }
         }
     }
@@ -143,10 +140,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let library = folder.path().join("libtorch_cuda.so");
         let expected = format!("{} is missing; point LD_LIBRARY_PATH at the lib folder", library.display());
-        let missing = load_cuda(folder.path()).unwrap_err();
+        let missing = load_cuda(folder.path()).unwrap_err().to_string();
         assert!(missing.starts_with(&expected), "{missing}");
         std::fs::write(&library, "no library").unwrap();
         let garbage = load_cuda(folder.path()).unwrap_err();
-        assert!(garbage.starts_with(&format!("{} does not load: ", library.display())), "{garbage}");
+        assert_eq!(garbage.to_string(), format!("{} does not load", library.display()));
+        assert!(garbage.source().is_some_and(|cause| !cause.to_string().is_empty()));
     }
 }

@@ -5,7 +5,7 @@ use rand::Rng as _;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{MOST_EPISODES, at_most, fraction, not_negative, positive};
+use crate::checks::{MOST_EPISODES, at_most, fraction, not_negative, positive};
 use crate::error::AgentError;
 
 /// Kind and strength of the exploration noise.

@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
-use crate::config::{MOST_EPISODES, at_most, positive};
+use crate::checks::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
 
 /// How inputs are normalised: clip((clip(x, ±`clip_before`) − mean) / max(std, `std_floor`), ±`clip_after`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NormalizerConfig {
-    /// Least standard deviation that is divided by, positive. 0.01 (Baselines).
+    /// Lower bound of the standard deviation in the division, positive. 0.01 (Baselines).
     pub std_floor: f64,
     /// Bound on raw inputs, positive. 200 (Baselines).
     pub clip_before: f64,
@@ -61,7 +61,7 @@ impl NormalizerConfig {
 
 /// What a normaliser has seen, including pseudo-observations: all of it that must be saved.
 ///
-/// The count includes pseudo-observations, so moments that were saved without any stay without any.
+/// The count includes pseudo-observations, so loading never adds any to moments that were saved without.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,
@@ -81,12 +81,11 @@ impl Moments {
     }
 }
 
-/// Normalises vectors of one kind (states or goals) by the mean and standard deviation of all it has been
-/// fed.
+/// Normalises vectors of one kind (states or goals) by the mean and standard deviation of those it was fed.
 ///
 /// Until it is fed, it assumes mean 0 and standard deviation 1 for every component, whatever its
-/// pseudo-observations: those alone would have no deviation. Baselines does the same until it first computes
-/// the two.
+/// pseudo-observations: pseudo-observations alone have zero deviation. Baselines does the same until it first
+/// computes the two.
 ///
 /// ```
 /// use agents::{Normalizer, NormalizerConfig};
@@ -186,7 +185,7 @@ impl Normalizer {
         let widths = (moments.sum.len(), moments.sum_of_squares.len());
         if widths != (self.width(), self.width()) {
             let reason = format!("a normaliser of {} numbers where {} are expected", widths.0, self.width());
-            return Err(AgentError::State { reason });
+            return Err(AgentError::misfit(reason));
         }
         self.moments = moments;
         self.refresh();

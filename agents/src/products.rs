@@ -138,12 +138,12 @@ impl Products {
 #[cfg(test)]
 mod tests {
     use envs::rng::{Purpose, stream};
-    use envs::{Defaults, EnvOptions, Rows, Spec};
+    use envs::{EnvOptions, Rows};
 
     use super::Products;
-    use crate::agent::Episode;
     use crate::auto::Auto;
     use crate::config::StudentConfig;
+    use crate::episode::Episode;
     use crate::networks::done;
 
     /// With a batch small enough to be one part.
@@ -188,18 +188,10 @@ mod tests {
     /// → 4 and a critic 32 → w → w → 1, a product being 2·rows·inner·columns operations.
     #[test]
     fn a_step_of_two_layers_is_28_products_and_of_three_38() {
-        let spec = Spec {
-            id: "Push",
-            family: "fetch",
-            state: 25,
-            goal: 3,
-            action: 4,
-            horizon: 50,
-            defaults: Defaults::TOY,
-        };
+        let spec = &envs::find("FetchPush").unwrap().spec;
         let products = |layers| {
             let config = StudentConfig { layers: Auto::Value(layers), ..StudentConfig::default() };
-            Products::new(&config, &spec).unwrap()
+            Products::new(&config, spec).unwrap()
         };
         let (two, three) = (products(2), products(3));
         assert_eq!((two.count(), three.count()), (28, 38));

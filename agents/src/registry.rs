@@ -3,7 +3,7 @@
 use envs::Spec;
 
 use crate::agent::Agent;
-use crate::config::StudentConfig;
+use crate::config::{DEFAULT_AGENT, StudentConfig};
 use crate::ddpg::Ddpg;
 use crate::error::AgentError;
 
@@ -23,7 +23,7 @@ type Constructor = fn(&StudentConfig, &Spec, u64) -> Result<Box<dyn Agent>, Agen
 
 /// All agents, the default one first.
 pub static AGENTS: &[AgentRow] = &[AgentRow {
-    id: "ddpg-her",
+    id: DEFAULT_AGENT,
     title: "DDPG + HER",
     source: "Lillicrap et al. 2016 (arXiv 1509.02971), Andrychowicz et al. 2017 (arXiv 1707.01495)",
     build: |config, spec, seed| Ok(Box::new(Ddpg::new(config, spec, seed)?)),

@@ -15,7 +15,7 @@ pub fn prepare_thread() {
     tch::set_num_threads(1);
 }
 
-/// Name and version of every native library the student stands on.
+/// Name and version of every native library that the student needs.
 pub fn versions() -> Vec<(&'static str, String)> {
     vec![("libtorch", libtorch_version())]
 }

@@ -23,6 +23,37 @@ pub struct Seal {
     pub what: &'static str,
 }
 
+/// What is wrong with bytes that should be a value under a [`Seal`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SealError {
+    /// Not even the header is whole.
+    #[error("only {0} bytes long")]
+    Short(usize),
+    /// The magic number is another.
+    #[error("not {what}")]
+    Other {
+        /// What was expected.
+        what: &'static str,
+    },
+    /// The version is another.
+    #[error("{what} of version {found}; this program reads version {own}")]
+    Version {
+        /// What it is.
+        what: &'static str,
+        /// Version of the bytes.
+        found: u32,
+        /// Version that this program writes and reads.
+        own: u32,
+    },
+    /// The value was cut off or altered.
+    #[error("its checksum does not fit: it was cut off or altered")]
+    Checksum,
+    /// The value is whole, but of another type.
+    #[error(transparent)]
+    Format(#[from] postcard::Error),
+}
+
 /// Bytes of the header.
 const HEADER: usize = 12;
 
@@ -44,25 +75,24 @@ impl Seal {
     /// The value that [`Seal::close`] was given.
     ///
     /// # Errors
-    /// What is wrong with the bytes: something else, another version, cut off or altered.
-    pub fn open<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T, String> {
+    /// [`SealError`] if the bytes are something else, of another version, cut off or altered.
+    pub fn open<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T, SealError> {
         let word = |at: usize| bytes.get(at..at + 4).map(|b| [b[0], b[1], b[2], b[3]]);
         let (Some(magic), Some(version), Some(crc)) = (word(0), word(4), word(8)) else {
-            return Err(format!("only {} bytes long", bytes.len()));
+            return Err(SealError::Short(bytes.len()));
         };
         if magic != self.magic {
-            return Err(format!("not {}", self.what));
+            return Err(SealError::Other { what: self.what });
         }
-        let version = u32::from_le_bytes(version);
-        if version != self.version {
-            let (what, own) = (self.what, self.version);
-            return Err(format!("{what} of version {version}; this program reads version {own}"));
+        let found = u32::from_le_bytes(version);
+        if found != self.version {
+            return Err(SealError::Version { what: self.what, found, own: self.version });
         }
         let payload = &bytes[HEADER..];
         if crc32fast::hash(payload) != u32::from_le_bytes(crc) {
-            return Err("its checksum does not fit: it was cut off or altered".into());
+            return Err(SealError::Checksum);
         }
-        postcard::from_bytes(payload).map_err(|error| error.to_string())
+        Ok(postcard::from_bytes(payload)?)
     }
 }
 
@@ -76,7 +106,7 @@ mod tests {
     fn what_is_closed_can_be_opened_and_damage_is_named() {
         let bytes = SEAL.close(&(7u32, "seven"));
         assert_eq!(SEAL.open::<(u32, String)>(&bytes), Ok((7, "seven".to_owned())));
-        let refusal = |bytes: &[u8]| SEAL.open::<(u32, String)>(bytes).unwrap_err();
+        let refusal = |bytes: &[u8]| SEAL.open::<(u32, String)>(bytes).unwrap_err().to_string();
         for place in 12..bytes.len() {
             let mut altered = bytes.clone();
             altered[place] ^= 1;

@@ -3,10 +3,9 @@
 use envs::rng::Rng;
 use tch::{Device, TchError};
 
-use crate::agent::Parameters;
 use crate::inputs::{Part, rows_per_part};
 use crate::losses::{Discount, critic_part, write_targets};
-use crate::networks::{Block, Passes, Shape, Trained};
+use crate::networks::{Block, Parameters, Passes, Shape, Trained};
 
 /// E critics, each with a target network.
 #[derive(Debug)]

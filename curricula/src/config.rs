@@ -59,7 +59,7 @@ pub(crate) fn table<C: Serialize>(config: &C) -> Table {
     Table::try_from(config).expect("a method's config is a struct of TOML values")
 }
 
-/// The config of what is `written` and, for all else, the defaults.
+/// The config that `written` gives, with defaults for everything else.
 ///
 /// Unknown names are refused here and not by serde, whose `deny_unknown_fields` cannot be had together with
 /// the `flatten` by which methods share [`ProbeConfig`](crate::ProbeConfig). The words are serde's.

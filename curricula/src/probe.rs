@@ -20,15 +20,15 @@ pub enum StateSource {
     /// They are renewed now and then, with a hand-over: see [`Probe`].
     #[default]
     Reference,
-    /// Fresh draws from the replay buffer at every evaluation: unbiased, but what changes between two
-    /// evaluations is also the sample.
+    /// Fresh draws from the replay buffer at every evaluation: unbiased, but confidence then also changes
+    /// with the sample.
     Replay,
-    /// The start state of the coming episode: what changes between two evaluations is also the start, where
-    /// starts are random.
+    /// The start state of the coming episode. Where starts are random, confidence also changes with the
+    /// start.
     Initial,
 }
 
-/// How confidence C(g) is measured: the options that all methods share which go by it. They are fields of the
+/// How confidence C(g) is measured: options shared by all methods that use confidence. They are fields of the
 /// method's own table, so they are included with `#[serde(flatten)]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProbeConfig {
@@ -160,8 +160,8 @@ impl Probe {
     }
 
     /// Asks the student for its confidence in every goal of `pool`, if the networks have changed since the
-    /// last evaluation. With [`StateSource::Initial`] and `anew` also if they have not, but the coming
-    /// episode has another start: the newest evaluation is then made anew from there.
+    /// last evaluation. If they have not, but the coming episode has another start, [`StateSource::Initial`]
+    /// with `anew` measures the newest evaluation again from that start.
     ///
     /// # Errors
     /// [`CurriculumError::NotFinite`] or [`CurriculumError::Student`] if the answer is not one finite value

@@ -76,7 +76,7 @@ impl Entry {
         }
     }
 
-    /// The complete config of what is `written`.
+    /// The config that is `written`, completed with defaults.
     ///
     /// # Errors
     /// [`CurriculumError::Config`], naming the first field whose name, type or value is not accepted.

@@ -24,14 +24,24 @@ pub fn save<S: Serialize>(id: &str, version: u32, state: &S) -> Vec<u8> {
 
 /// The state that [`save`] wrote for the same `id` and `version`.
 ///
+/// ```
+/// use curricula::snapshot;
+///
+/// let bytes = snapshot::save("mine", 2, &7u64);
+/// assert_eq!(snapshot::load::<u64>("mine", 2, &bytes)?, 7);
+/// let error = snapshot::load::<u64>("mine", 3, &bytes).unwrap_err();
+/// assert_eq!(error.to_string(), "saved teacher state: version 2 of `mine`; this program reads version 3");
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
+///
 /// # Errors
 /// [`CurriculumError::State`] if the bytes are another method's, another version's, cut short or too long.
 pub fn load<S: DeserializeOwned>(id: &str, version: u32, bytes: &[u8]) -> Result<S, CurriculumError> {
     from_plain_bytes(open(id, version, bytes)?)
 }
 
-/// `state`, the bytes of a state alone, marked with the method's `id` and the `version` of its state. Nothing
-/// remains nothing: a stateless teacher has no bytes.
+/// `state`, the bytes of a state alone, marked with the method's `id` and the `version` of its state. No
+/// bytes stay no bytes: they are those of a stateless teacher.
 pub(crate) fn seal(id: &str, version: u32, state: Vec<u8>) -> Vec<u8> {
     if state.is_empty() {
         return state;
@@ -60,11 +70,29 @@ pub(crate) fn open<'a>(id: &str, version: u32, bytes: &'a [u8]) -> Result<&'a [u
 }
 
 /// Data in memory as bytes, without a mark.
+///
+/// ```
+/// use curricula::snapshot::{from_plain_bytes, plain_bytes};
+///
+/// let bytes = plain_bytes(&(3u64, 0.5f64));
+/// assert_eq!(from_plain_bytes::<(u64, f64)>(&bytes)?, (3, 0.5));
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
 pub fn plain_bytes<S: Serialize>(state: &S) -> Vec<u8> {
     postcard::to_stdvec(state).expect("plain data in memory always serialises")
 }
 
 /// The data that [`plain_bytes`] gave.
+///
+/// ```
+/// use curricula::snapshot::{from_plain_bytes, plain_bytes};
+///
+/// let mut bytes = plain_bytes(&0.5f64);
+/// assert_eq!(from_plain_bytes::<f64>(&bytes)?, 0.5);
+/// bytes.push(0);
+/// assert!(from_plain_bytes::<f64>(&bytes).is_err());
+/// # Ok::<(), curricula::CurriculumError>(())
+/// ```
 ///
 /// # Errors
 /// [`CurriculumError::State`] if the bytes are of another type, cut short or too long.
@@ -74,11 +102,25 @@ pub fn from_plain_bytes<S: DeserializeOwned>(bytes: &[u8]) -> Result<S, Curricul
 }
 
 /// A state that does not fit, and why.
+///
+/// ```
+/// let error = curricula::snapshot::refuse("its window has another length");
+/// assert_eq!(error.to_string(), "saved teacher state: its window has another length");
+/// ```
 pub fn refuse(reason: impl Into<String>) -> CurriculumError {
     CurriculumError::State { reason: reason.into(), source: None }
 }
 
 /// The same where another error says more.
+///
+/// ```
+/// use std::error::Error;
+///
+/// let cause = "x".parse::<u32>().unwrap_err();
+/// let error = curricula::snapshot::refuse_because("no number", cause.clone());
+/// assert_eq!(error.to_string(), "saved teacher state: no number");
+/// assert_eq!(error.source().unwrap().to_string(), cause.to_string());
+/// ```
 pub fn refuse_because(
     reason: impl Into<String>,
     source: impl std::error::Error + Send + Sync + 'static,
@@ -91,6 +133,14 @@ fn damaged(error: postcard::Error) -> CurriculumError {
 }
 
 /// Refuses a state with values for `found` goals where the pool has `pool`.
+///
+/// ```
+/// use curricula::snapshot::require_goals;
+///
+/// assert!(require_goals(200, 200).is_ok());
+/// let error = require_goals(100, 200).unwrap_err();
+/// assert_eq!(error.to_string(), "saved teacher state: written for 100 goals; the pool has 200");
+/// ```
 ///
 /// # Errors
 /// [`CurriculumError::State`] if the two differ.

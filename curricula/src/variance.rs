@@ -7,12 +7,11 @@
 /// them has a standard deviation of 7.6e-6 / √12 = 2.2e-6.
 pub const ROUNDING: f64 = 3e-6;
 
-/// From here to its double, numbers of single precision are as far apart as [`ROUNDING`] takes them to be.
+/// From here down to twice this, the spacing of single-precision numbers is the one behind [`ROUNDING`].
 const BINADE: f64 = -64.0;
 
-/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ): as it is within the paper's
-/// horizons, and doubled beyond them with every doubling of the spacing of numbers there, at −128, −256 and
-/// so on.
+/// [`ROUNDING`] of a student whose values reach down to `lowest`, −1/(1−γ). Constant for values above −128;
+/// doubles at −128, −256, …, where the spacing of single-precision numbers doubles.
 ///
 /// ```
 /// assert_eq!(curricula::rounding(-50.0), curricula::ROUNDING);

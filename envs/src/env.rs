@@ -2,16 +2,16 @@
 
 use crate::error::EnvError;
 use crate::playback::Playback;
-use crate::render::Scene;
 use crate::rng::Rng;
 use crate::rows::Goals;
+use crate::scene::Scene;
 
 /// The constants of an environment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec {
     /// Registry id, such as `FetchReach`.
     pub id: &'static str,
-    /// A label for lists, such as `fetch`. Nothing depends on it.
+    /// A label for lists, such as `fetch`. No program behaves differently for it.
     pub family: &'static str,
     /// S, dimension of the state (the reference's `observation`, without goals).
     pub state: usize,

@@ -31,6 +31,7 @@ pub mod render;
 pub mod rng;
 mod rotation;
 mod rows;
+mod scene;
 pub mod testing;
 pub mod trace;
 mod world;
@@ -43,6 +44,8 @@ pub use error::EnvError;
 pub use metric::WithinDistance;
 pub use mujoco::{MUJOCO_VERSION, Physics};
 pub use playback::{Playback, PlaybackError, RecordedWorld, SimulationStart, Start};
-pub use registry::{EnvOptions, Environment, SUITES, Suite, Verification, environments, find, make, suite};
+pub use registry::{
+    EnvOptions, Environment, PaperRow, SUITES, Suite, Verification, environments, find, make, suite,
+};
 pub use rows::{Goals, Rows};
 pub use world::{Env, World};

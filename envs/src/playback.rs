@@ -79,8 +79,8 @@ pub trait Playback {
     /// [`PlaybackError::Start`], or the environment's own errors.
     fn begin(&mut self, start: &Start) -> Result<(), PlaybackError>;
 
-    /// Resets as the reference did when `draws` were recorded, with whatever solver state it kept. All of
-    /// them must be asked for.
+    /// Resets as the reference did when `draws` were recorded, with whatever solver state it kept. The reset
+    /// must use up all of them.
     ///
     /// # Errors
     /// [`PlaybackError::Draws`], or the environment's own errors.

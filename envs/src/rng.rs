@@ -72,6 +72,13 @@ pub fn stream(seed: u64, purpose: Purpose) -> Rng {
 }
 
 /// A number drawn uniformly from [`low`, `high`).
+///
+/// ```
+/// use envs::rng::{Purpose, stream, uniform};
+///
+/// let mut rng = stream(0, Purpose::Teacher);
+/// assert!((0..100).all(|_| (2.0..3.0).contains(&uniform(&mut rng, 2.0, 3.0))));
+/// ```
 pub fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     rand::Rng::random_range(rng, low..high)
 }

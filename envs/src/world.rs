@@ -6,8 +6,8 @@ use crate::draws::{Draws, RecordedDraws};
 use crate::env::{GoalEnv, GoalSource, Observation, Reward, Spec};
 use crate::error::EnvError;
 use crate::playback::{Playback, PlaybackError, RecordedWorld, Start};
-use crate::render::Scene;
 use crate::rng::Rng;
+use crate::scene::Scene;
 
 /// The world of an environment: its state, its dynamics, its goals. [`Env`] adds what is the same for all:
 /// checks of what comes in, clipped actions, room for observation and goal.

@@ -3,11 +3,11 @@
 use envs::Rows;
 use tch::{Device, TchError, Tensor};
 
-use crate::agent::{Network, Parameters};
+use crate::agent::Network;
 use crate::batch::{Batch, Dims, check_len};
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers};
-use crate::networks::{Block, Passes, Shape, copy, read};
+use crate::networks::{Block, Parameters, Passes, Shape, copy, read};
 
 use super::update::Learner;
 

@@ -43,16 +43,18 @@ use std::time::{Duration, Instant};
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Observation, Reward, Rows, Spec};
 
-use crate::agent::{Agent, Critic, Episode, Mode, Network};
+use crate::agent::{Agent, Critic, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
 use crate::config::{PolyakEvery, StudentConfig};
+use crate::draw::Hindsight;
+use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
 use crate::networks::{Output, Shape};
 use crate::noise::{Noise, uniform};
 use crate::normalizer::Normalizer;
-use crate::replay::{Hindsight, Log, Replay, Source};
+use crate::replay::{Log, Replay, Source};
 
 use infer::Inference;
 use update::Learner;

@@ -6,14 +6,13 @@ use rand::Rng as _;
 use tch::{Device, Kind, Tensor};
 
 use super::update::Learner;
-use crate::agent::Parameters;
 use crate::auto::Auto;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
 use crate::device::far_away;
 use crate::inputs::{Normalizers, rows_per_part};
 use crate::losses::Discount;
-use crate::networks::{Output, Shape, Stack, Trained};
+use crate::networks::{Output, Parameters, Shape, Stack, Trained};
 use crate::normalizer::{Normalizer, NormalizerConfig};
 
 const SPEC: Spec = Spec {

@@ -51,13 +51,13 @@ pub(super) fn encode(student: &Ddpg) -> Result<Vec<u8>, AgentError> {
 /// # Errors
 /// [`AgentError::State`] if `state` is damaged or of another student.
 pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError> {
-    let saved: Saved = SEAL.open(state).map_err(|reason| AgentError::State { reason })?;
+    let saved: Saved = SEAL.open(state).map_err(|error| AgentError::State { source: error.into() })?;
     if saved.environment != student.spec.id {
         let reason = format!("of a student of {}, not of {}", saved.environment, student.spec.id);
-        return Err(AgentError::State { reason });
+        return Err(AgentError::misfit(reason));
     }
     if saved.noise.len() != student.spec.action {
-        return Err(AgentError::State { reason: format!("noise of {} components", saved.noise.len()) });
+        return Err(AgentError::misfit(format!("noise of {} components", saved.noise.len())));
     }
     student.learner.actor.load(&saved.actor)?;
     student.learner.critic.networks.load(&saved.critic)?;
@@ -70,10 +70,14 @@ pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError
 
 #[cfg(test)]
 mod tests {
+    use std::error::Error as _;
+
     use envs::rng::{Purpose, Rng, stream};
 
     use crate::StudentConfig;
-    use crate::agent::{Agent, Episode, Mode};
+    use crate::agent::{Agent, Mode};
+    use crate::episode::Episode;
+    use crate::error::AgentError;
     use crate::registry::make;
 
     /// A student, its environment and streams, small enough to train in a blink.
@@ -166,7 +170,8 @@ mod tests {
         let mut scene = Scene::new("");
         scene.cycles(1);
         let state = scene.agent.save(folder.path()).unwrap();
-        let refusal = |bytes: &[u8]| Scene::new("").agent.load(bytes, folder.path()).unwrap_err().to_string();
+        let cause = |error: AgentError| error.source().expect("what is wrong").to_string();
+        let refusal = |bytes: &[u8]| cause(Scene::new("").agent.load(bytes, folder.path()).unwrap_err());
         let mut altered = state.clone();
         altered[200] ^= 1;
         assert!(refusal(&altered).contains("checksum"));
@@ -177,6 +182,6 @@ mod tests {
         version[4] = 7;
         assert!(refusal(&version).contains("version 7"));
         let mut deeper = Scene::new("layers = 3");
-        assert!(deeper.agent.load(&state, folder.path()).unwrap_err().to_string().contains("parameters"));
+        assert!(cause(deeper.agent.load(&state, folder.path()).unwrap_err()).contains("parameters"));
     }
 }

@@ -3,13 +3,12 @@
 use envs::rng::Rng;
 use tch::{Device, TchError};
 
-use crate::agent::Parameters;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
 use crate::error::AgentError;
 use crate::inputs::{Normalizers, TransitionInputs, rows_per_part};
 use crate::losses::{Discount, penalty_part, value_part};
-use crate::networks::{Block, Passes, Shape, Trained, copy};
+use crate::networks::{Block, Parameters, Passes, Shape, Trained, copy};
 use crate::value::ValueLearner;
 
 /// Actor and critic under training.

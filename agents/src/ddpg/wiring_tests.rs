@@ -4,16 +4,18 @@ use envs::rng::{Purpose, Rng, stream};
 use envs::{Defaults, GoalEnv, Observation, Rows, Spec};
 
 use super::{Ddpg, state};
-use crate::agent::{Agent, Critic, Episode, Mode, Network, Parameters};
+use crate::agent::{Agent, Critic, Mode, Network};
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::{PolyakEvery, Preset, StudentConfig};
 use crate::device::far_away;
+use crate::draw::{HerStrategy, Hindsight};
+use crate::episode::Episode;
 use crate::error::AgentError;
-use crate::networks::Trained;
+use crate::networks::{Parameters, Trained};
 use crate::noise::{Noise, NoiseConfig, uniform};
 use crate::normalizer::{Normalizer, NormalizerConfig};
-use crate::replay::{HerStrategy, Hindsight, Source};
+use crate::replay::Source;
 
 /// A student of the toy task (S = G = A = 2, H = 20), the task, and a stream for replay.
 fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {

@@ -7,13 +7,14 @@ use envs::{Rows, Spec};
 use serde::{Deserialize, Serialize};
 use tch::{Device, TchError};
 
-use crate::agent::{Episode, Parameters};
 use crate::batch::{Batch, Dims, check_len};
-use crate::config::{StudentConfig, at_least, fraction, positive};
-use crate::error::AgentError;
+use crate::checks::{at_least, fraction, positive};
+use crate::config::StudentConfig;
+use crate::episode::Episode;
+use crate::error::{AgentError, StateProblem};
 use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
-use crate::networks::{Output, Passes, SavedStack, Shape, read};
+use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, read};
 use crate::normalizer::{Moments, Normalizer, NormalizerConfig};
 use crate::value::ValueLearner;
 
@@ -77,7 +78,7 @@ pub struct Ensemble {
     inputs: TransitionInputs,
     query: Query,
     steps: u64,
-    /// The student's config of normalisers, which holds for these too.
+    /// The student's config of its normalisers, valid for these too.
     normalizer: NormalizerConfig,
     /// Episodes that were offered to the normalisers.
     episodes: u64,
@@ -285,7 +286,7 @@ impl Ensemble {
             steps: self.steps,
             episodes: self.episodes,
         };
-        postcard::to_stdvec(&saved).map_err(|error| AgentError::State { reason: error.to_string() })
+        Ok(postcard::to_stdvec(&saved).expect("plain data in memory always serialises"))
     }
 
     /// Takes back what [`Ensemble::save`] gave: training on from here gives the same bytes as never having
@@ -295,7 +296,7 @@ impl Ensemble {
     /// [`AgentError::State`] if the bytes are not those of an ensemble of this shape.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), AgentError> {
         let saved: Saved<'_> = postcard::from_bytes(bytes)
-            .map_err(|error| AgentError::State { reason: format!("no ensemble: {error}") })?;
+            .map_err(|error| AgentError::State { source: StateProblem::Ensemble(error) })?;
         self.learner.networks.load(&saved.networks)?;
         self.normalizers.state.set_moments(saved.state.into_owned())?;
         self.normalizers.goal.set_moments(saved.goal.into_owned())?;

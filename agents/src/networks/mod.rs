@@ -27,4 +27,4 @@ pub(crate) use shape::{Output, Shape};
 pub(crate) use slices::{read, with_slices};
 #[cfg(test)]
 pub(crate) use stack::Stack;
-pub(crate) use trained::{SavedStack, Trained};
+pub(crate) use trained::{Parameters, SavedStack, Trained};

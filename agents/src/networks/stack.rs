@@ -7,7 +7,7 @@ use tch::{Device, Kind, TchError, Tensor};
 use super::block::{Block, copy};
 use super::shape::{Layer, Shape};
 
-/// The parameters of E networks of one shape, or anything else that has one number per parameter: gradients.
+/// One number for every parameter of E networks of one shape: the parameters themselves, or their gradients.
 #[derive(Debug)]
 pub(crate) struct Stack {
     /// All numbers, shape `[E, P]`.

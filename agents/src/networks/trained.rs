@@ -10,11 +10,19 @@ use super::block::copy;
 use super::shape::Shape;
 use super::slices::with_slices;
 use super::stack::Stack;
-use crate::agent::Parameters;
 use crate::device::in_reach;
 use crate::error::AgentError;
 
-/// A stack with all that its training needs.
+/// One of the two copies that every network is kept in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parameters {
+    /// The one that gradient steps change.
+    Online,
+    /// Its Polyak average.
+    Target,
+}
+
+/// A stack with everything its training needs.
 #[derive(Debug)]
 pub(crate) struct Trained {
     online: Stack,
@@ -101,7 +109,7 @@ impl Trained {
             if numbers.len() != tensor.numel() {
                 let (got, expected) = (numbers.len(), tensor.numel());
                 let reason = format!("networks of {got} parameters where {expected} are expected");
-                return Err(AgentError::State { reason });
+                return Err(AgentError::misfit(reason));
             }
             copy(tensor, &Tensor::f_from_slice(numbers)?.f_view_as(tensor)?)?;
         }

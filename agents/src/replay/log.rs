@@ -189,7 +189,7 @@ mod tests {
     use envs::{Defaults, Rows, Spec};
 
     use super::*;
-    use crate::agent::Episode;
+    use crate::episode::Episode;
 
     const SPEC: Spec =
         Spec { id: "Tiny", family: "toy", state: 1, goal: 1, action: 1, horizon: 2, defaults: Defaults::TOY };

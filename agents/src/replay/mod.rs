@@ -6,19 +6,18 @@
 //! 1,000,000 transitions mazes take 25 MB, FetchReach 70 MB, the other Fetch tasks 131 MB, HandReach 401 MB
 //! and HandManipulate* 356 MB ([`Replay::capacity_bytes`]). Memory is taken as episodes come in.
 
-mod draw;
 mod log;
 
 use envs::rng::Rng;
 use envs::{Reward, Spec};
 use rand::Rng as _;
 
-use crate::agent::Episode;
 use crate::batch::{Batch, Dims, check_len};
+use crate::checks::at_least;
+use crate::draw::{Draw, Hindsight};
+use crate::episode::Episode;
 use crate::error::AgentError;
 
-pub(crate) use draw::Draw;
-pub use draw::{HerStrategy, Hindsight};
 pub(crate) use log::Log;
 
 /// Which part of the buffer to sample.
@@ -81,7 +80,7 @@ impl Replay {
     /// # Errors
     /// [`AgentError::Config`] if not even one episode fits.
     pub fn new(spec: &Spec, transitions: usize) -> Result<Self, AgentError> {
-        crate::config::at_least("replay_capacity", transitions, spec.horizon)?;
+        at_least("replay_capacity", transitions, spec.horizon)?;
         let capacity = transitions / spec.horizon;
         Ok(Self { dims: Dims::of(spec), horizon: spec.horizon, capacity, records: Vec::new(), stored: 0 })
     }

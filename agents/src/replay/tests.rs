@@ -3,9 +3,10 @@ use std::collections::BTreeMap;
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Defaults, EnvError, GoalEnv, GoalSource, Observation, Reward, Rows, Spec};
 
-use super::{HerStrategy, Hindsight, Replay, Source};
-use crate::agent::Episode;
+use super::{Replay, Source};
 use crate::batch::Batch;
+use crate::draw::{HerStrategy, Hindsight};
+use crate::episode::Episode;
 use crate::error::AgentError;
 
 const H: usize = 4;

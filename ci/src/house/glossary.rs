@@ -110,7 +110,7 @@ mod tests {
 # Nouns
 | noun | meaning | in the code |
 |---|---|---|
-| student | what learns; `agents` knows no teacher | `agents::Agent`, `agents/src` |
+| student | what learns; `agents` knows no teacher | `agents::Pupil`, `agents/src` |
 | pool | goals | `curricula::Pool` |
 ";
 
@@ -118,14 +118,14 @@ mod tests {
     fn the_last_column_names_places() {
         let glossary = Glossary::read("g.md", PAGE);
         let texts: Vec<_> = glossary.places.iter().map(|place| (place.line, place.text.as_str())).collect();
-        assert_eq!(texts, [(4, "agents::Agent"), (4, "agents/src"), (5, "curricula::Pool")]);
+        assert_eq!(texts, [(4, "agents::Pupil"), (4, "agents/src"), (5, "curricula::Pool")]);
         let nested = Place { line: 1, text: "agents::registry::AGENTS".into() };
         assert_eq!(nested.item(), Some(("agents", "AGENTS")));
     }
 
     #[test]
     fn places_that_do_not_exist_are_named_with_their_line() {
-        let source = Source { file: "agents/src/lib.rs".into(), text: "pub trait Agent: Send {\n".into() };
+        let source = Source { file: "agents/src/lib.rs".into(), text: "pub trait Pupil: Send {\n".into() };
         let found = Glossary::read("g.md", PAGE).dangling(Path::new("/nowhere"), &[source]);
         let texts: Vec<String> =
             found.iter().map(|finding| format!("{}: {}", finding.line, finding.what)).collect();
@@ -136,13 +136,13 @@ mod tests {
     fn a_trait_without_a_row_is_named_where_it_is_defined() {
         let source = Source {
             file: "agents/src/lib.rs".into(),
-            text: "pub trait Agent {\npub trait Critic {\n".into(),
+            text: "pub trait Pupil {\npub trait Judge {\n".into(),
         };
         let found = Glossary::read("g.md", PAGE).missing_traits(&nouns::public(&source));
         assert_eq!(found.len(), 1);
         assert_eq!(
             (found[0].line, found[0].what.as_str()),
-            (2, "the trait `Critic` has no row in harness/docs/glossary.md")
+            (2, "the trait `Judge` has no row in harness/docs/glossary.md")
         );
     }
 }

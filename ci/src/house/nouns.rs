@@ -75,23 +75,23 @@ mod tests {
 
     #[test]
     fn types_and_traits_are_found_and_nothing_else() {
-        let text = "pub struct Row<T> {\n    pub enum Inner {\n}\npub(crate) struct Own;\npub fn row() {}\npub trait Make {}\n";
+        let text = "pub struct Shelf<T> {\n    pub enum Inner {\n}\npub(crate) struct Own;\npub fn shelf() {}\npub trait Make {}\n";
         let found = source("envs/src/lib.rs", text);
         let names: Vec<_> = found.iter().map(|noun| (noun.name.as_str(), noun.kind, noun.line)).collect();
-        assert_eq!(names, [("Row", Kind::Type, 1), ("Inner", Kind::Type, 2), ("Make", Kind::Trait, 6)]);
+        assert_eq!(names, [("Shelf", Kind::Type, 1), ("Inner", Kind::Type, 2), ("Make", Kind::Trait, 6)]);
         assert!(source("envs/tests/it/main.rs", text).is_empty());
     }
 
     #[test]
     fn a_second_definition_needs_an_explanation() {
-        let mut nouns = source("envs/src/lib.rs", "pub struct Row;\npub struct Other;\n");
-        nouns.extend(source("agents/src/lib.rs", "pub enum Row {\n"));
+        let mut nouns = source("envs/src/lib.rs", "pub struct Shelf;\npub struct Other;\n");
+        nouns.extend(source("agents/src/lib.rs", "pub enum Shelf {\n"));
         let files = |glossary: &str| -> Vec<String> {
             let found = defined_twice(&nouns, &Glossary::read("glossary.md", glossary));
             found.into_iter().map(|finding| finding.file).collect()
         };
         assert_eq!(files(""), ["envs/src/lib.rs", "agents/src/lib.rs"]);
-        assert!(files("| row | two | `envs::Row`, `agents::Row` |").is_empty());
-        assert_eq!(files("| row | one | `envs::Row` |").len(), 2, "one of the two is not explained");
+        assert!(files("| shelf | two | `envs::Shelf`, `agents::Shelf` |").is_empty());
+        assert_eq!(files("| shelf | one | `envs::Shelf` |").len(), 2, "one of the two is not explained");
     }
 }

@@ -3,9 +3,9 @@
 //!
 //! # Deviations and choices
 //! - The goal comes from the environment's own joint draw of start and goal at the reset, as in Baselines'
-//!   HER, so no stream of the teacher's is used. VDS's code, run without an ensemble, draws goals from
-//!   another instance than the one at hand.
-//! - TEACH reproduces HER-IID by "official code" without naming it. Here the student is the same for all
+//!   HER, so the teacher's stream is not used. VDS's code, run without an ensemble, draws goals from an
+//!   instance of its own.
+//! - TEACH runs HER-IID with "official code" that it does not name. Here the student is the same for all
 //!   methods.
 
 use looks::colours::BLACK;

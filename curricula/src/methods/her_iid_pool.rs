@@ -5,9 +5,9 @@
 //! - No paper has it. TEACH's HER-IID draws from the task space, not from the N goals that its teacher
 //!   chooses from.
 //! - Goals of HandManipulate* hold the place where the object settled at the start that they were drawn for.
-//!   Those of the pool keep it when they are set at another start, here as for every teacher of the pool. The
-//!   rotation tasks ask for no place, but the student sees it in the goal; in the others it differs by the
-//!   spread of the starts.
+//!   A goal of the pool keeps that place when it is set at another start, as with every teacher of the pool.
+//!   In the rotation tasks the place does not count, but the student sees it in the goal; in the other tasks
+//!   it is off by the spread of the starts.
 
 use looks::colours::GREY;
 use looks::{Dash, Look, Marker};

@@ -49,7 +49,7 @@ use crate::variance::rounding;
 /// ([`rounding`]) is flat: about three neighbouring numbers of single precision.
 pub const FLAT: f64 = 8.0;
 
-/// Only the newest values count.
+/// Evaluations that are compared: only the newest counts.
 const COMPARED: usize = 1;
 
 /// ProCuRL's options.
@@ -101,11 +101,24 @@ impl Default for ProCurlConfig {
 }
 
 /// p = clip((value − min) / (max − min), 0, 1), in [0, 1]; 0 where `max` is not above `min`.
+///
+/// ```
+/// use curricula::methods::procurl::success_probability;
+///
+/// assert_eq!(success_probability(-5.0, -20.0, 0.0), 0.75);
+/// assert_eq!(success_probability(1.0, -20.0, 0.0), 1.0);
+/// ```
 pub fn success_probability(value: f64, min: f64, max: f64) -> f64 {
     if max > min { ((value - min) / (max - min)).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// p (1 − p), in [0, 1/4]: largest for goals that are reached every other time.
+///
+/// ```
+/// use curricula::methods::procurl::proximity;
+///
+/// assert_eq!([0.0, 0.5, 1.0].map(proximity), [0.0, 0.25, 0.0]);
+/// ```
 pub fn proximity(p: f64) -> f64 {
     p * (1.0 - p)
 }

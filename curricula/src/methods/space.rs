@@ -26,8 +26,8 @@
 //!   unless the mean is 0 itself.
 //! - The authors' code compares with η |m_t|, having overwritten m_{t−1} just before. Here it is η |m_{t−1}|,
 //!   as in the port (which asks for <, where this and the authors' code ask for ≤).
-//! - With `reference`, m_{t−1} is measured from the same states as m_t; it is the mean over the set that was
-//!   trained on before the last update.
+//! - With `reference`, m_{t−1} and m_t are measured from the same states. m_{t−1} is the mean over the set
+//!   that was trained on before the last update.
 //! - K grows by exactly κ. In the authors' code the size is a fraction of the pool, rounded up, and now and
 //!   then leaps by two.
 //! - After place i of the set comes place (i + 1) mod K, with the K of that moment, also across updates, as
@@ -62,7 +62,7 @@ use crate::probe::{Answer, ProbeConfig};
 use crate::snapshot;
 use crate::state::PlainState;
 
-/// Updates compare V(t) with V(t−1).
+/// Evaluations that an update compares: V(t) and V(t−1).
 const COMPARED: usize = 2;
 
 /// SPaCE's options.
@@ -104,12 +104,27 @@ impl Default for SpaceConfig {
 }
 
 /// | |m_t| − |m_{t−1}| | ≤ η |m_{t−1}|: the set's mean value has hardly moved.
+///
+/// ```
+/// use curricula::methods::space::stagnates;
+///
+/// assert!(stagnates(-10.5, -10.0, 0.1));
+/// assert!(!stagnates(-12.0, -10.0, 0.1));
+/// ```
 pub fn stagnates(mean: f64, last_mean: f64, eta: f64) -> bool {
     (mean.abs() - last_mean.abs()).abs() <= eta * last_mean.abs()
 }
 
 impl Order {
-    /// A goal's score, of which the largest rank first, from its value now and at the last update.
+    /// A goal's score from its value now and at the last update. The largest scores rank first.
+    ///
+    /// ```
+    /// use curricula::methods::space::Order;
+    ///
+    /// assert_eq!(Order::Signed.score(-4.0, -8.0), 4.0);
+    /// assert_eq!(Order::Absolute.score(-4.0, -8.0), 4.0);
+    /// assert_eq!(Order::Relative.score(-4.0, -8.0), 0.5);
+    /// ```
     pub fn score(self, value: f64, last: f64) -> f64 {
         let improvement = value - last;
         match self {
@@ -121,12 +136,19 @@ impl Order {
         }
     }
 
-    /// The order of the first update, when every value counts as having been 0: nothing is relative to that.
+    /// The order of the first update: every earlier value then counts as 0, which nothing can be relative to.
     fn at_first(self) -> Self {
         if self == Self::Relative { Self::Signed } else { self }
     }
 
     /// All goals with their scores, best first; among equals the one with the lower index.
+    ///
+    /// ```
+    /// use curricula::methods::space::Order;
+    ///
+    /// let ranked = Order::Signed.rank(&[-4.0, -1.0], &[-5.0, -3.0]);
+    /// assert_eq!(ranked, [(1, 2.0), (0, 1.0)]);
+    /// ```
     pub fn rank(self, values: &[f64], last: &[f64]) -> Vec<(usize, f64)> {
         let scores = values.iter().zip(last).map(|(&value, &last)| self.score(value, last));
         let mut goals: Vec<(usize, f64)> = scores.enumerate().collect();
@@ -136,6 +158,12 @@ impl Order {
 }
 
 /// The place of the set whose turn it is after place `last`, in a set of `size` goals: (i + 1) mod K.
+///
+/// ```
+/// use curricula::methods::space::next_turn;
+///
+/// assert_eq!([None, Some(0), Some(2)].map(|last| next_turn(last, 3)), [0, 1, 0]);
+/// ```
 pub fn next_turn(last: Option<usize>, size: usize) -> usize {
     last.map_or(0, |place| (place + 1) % size)
 }

@@ -8,14 +8,14 @@
 //! the curriculum K(g_i) = δ_i / Σδ (Eq. 10-11, [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
-//! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). How many states,
-//!   the paper leaves open: M = 8. With `states = "reference"` (default) they are drawn once and held, so
-//!   that δ moves with the networks and their input normalisers alone, not with the sample. Every 100
-//!   evaluations others take over, the first time after 100 and a window of them, without the window ever
-//!   comparing different states. The first come from the first episode alone, as the buffer holds nothing
-//!   else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte Carlo, which adds
-//!   Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of D; where
-//!   starts are random they move δ, too.
+//! - C(g) averages over s ~ D, the replay buffer's state distribution (said after Eq. 6). The paper does not
+//!   say over how many states; here M = 8. With `states = "reference"` (default) they are drawn once and
+//!   held, so that δ moves with the networks and their input normalisers alone, not with the sample. After
+//!   100 evaluations, new states are measured beside them and take over when a window of theirs is full, so
+//!   no window compares different states. The first states all come from the first episode, as the buffer
+//!   holds nothing else yet. `replay` draws afresh at every evaluation, Eq. 7 to the letter by Monte Carlo,
+//!   which adds Var_s/M of sampling noise to δ. `initial`, the start of the coming episode, is no reading of
+//!   D; where starts are random they move δ, too.
 //! - Eq. 7 has no clip, so values count as they are. An untrained critic's may lie outside [−1/(1−γ), 0].
 //! - Eq. 8's k runs over the time of Algorithm 2, where every environment step brings an update of the
 //!   student. Here the student learns once per cycle, so a window of n environment steps would nearly always
@@ -29,9 +29,9 @@
 //!   here the latter, also for Δ > 1, where every episode draws anew from the last curriculum.
 //! - Under `initial` a second episode of a cycle may have another start. If the curriculum is due, the newest
 //!   value is then taken anew from there.
-//! - The variance (1/n, as in Eq. 8) is taken over the values there are, also while the window still fills
-//!   up. With fewer than two, or when no value moves beyond rounding, the curriculum is uniform; the paper
-//!   says nothing about either.
+//! - While the window fills up, the variance (1/n, as in Eq. 8) is taken over the values it holds so far.
+//!   With fewer than two, or when no value moves beyond rounding, the curriculum is uniform; the paper says
+//!   nothing about either.
 //! - A curriculum that falls due before there is anything to measure is computed as soon as there is.
 //! - Eq. 11 draws goals in proportion to K, section 5.2 assigns "the goal with maximum temporal uncertainty":
 //!   `selection`. With `argmax`, ties are drawn evenly.

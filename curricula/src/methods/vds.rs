@@ -4,15 +4,15 @@
 //! At the frontier of what the student can do, value functions trained on the same experience from different
 //! initial weights still differ; for mastered goals and for goals out of reach they agree. So E critics learn
 //! the value of the student's policy, each from batches of its own ([`agents::Ensemble`]). For the coming
-//! episode, candidate goals are drawn afresh from the environment, Q_e(s0, g, π(s0, g)) is taken of each by
-//! every member, and one candidate is drawn in proportion to the members' disagreement ([`Disagreement`],
+//! episode, candidate goals are drawn afresh from the environment, every member computes Q_e(s0, g, π(s0, g))
+//! for each, and one candidate is drawn in proportion to the members' disagreement ([`Disagreement`],
 //! [`Distribution::proportional`]).
 //!
 //! # Deviations and choices
 //! The authors' code is `zzyunzhi/vds` (commit a29fc5a, `baselines/`).
 //!
 //! - How much the ensemble learns: the authors' README runs `baselines.ve_run`, which after every single
-//!   episode takes 100 steps of 1000 transitions per member, then 40 steps of 256 of the student. The
+//!   episode takes 100 steps of 1000 transitions for each member, then 40 steps of 256 for the student. The
 //!   student's preset `official` does the same. Else the ensemble takes 40 steps per cycle on batches of the
 //!   student's size, as `vds_config` does, which `baselines.goalenv_run` reads (there two episodes per cycle,
 //!   and batches of 256 for both).

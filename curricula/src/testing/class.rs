@@ -11,7 +11,7 @@ use crate::curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Setting};
 use crate::error::CurriculumError;
 use crate::registry::{CURRICULA, Entry};
 
-/// What teachers with networks of their own go by: small networks and batches, so that tests are fast.
+/// The student's settings, for teachers with networks of their own: all small, so that tests are fast.
 fn small_student() -> StudentConfig {
     StudentConfig { width: 16, batch: Auto::Value(8), gamma: Auto::Value(0.5), ..StudentConfig::default() }
 }

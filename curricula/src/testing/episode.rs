@@ -4,6 +4,13 @@ use agents::Episode;
 use envs::{GoalEnv, Rows, Spec};
 
 /// An episode in which nothing moves, from the start at hand and towards its goal. It ends without success.
+///
+/// ```
+/// let env = envs::make("Point", &envs::EnvOptions::default())?;
+/// let episode = curricula::testing::standing_still(env.as_ref());
+/// assert_eq!((episode.states.len(), episode.actions.len(), episode.success), (21, 20, false));
+/// # Ok::<(), envs::EnvError>(())
+/// ```
 pub fn standing_still(env: &dyn GoalEnv) -> Episode {
     let Spec { state, goal, action, horizon, .. } = *env.spec();
     let rows = |row: &[f64], n: usize, width: usize| {

@@ -40,13 +40,22 @@ pub struct ScriptedStudent {
     /// The states handed out as replayed ones, in order.
     pub replayed: Vec<Rows>,
     /// In the first third of a replayed batch, goals whose first component has this sign are always reached;
-    /// all others never are. So the first of three members learns other values there than its fellows.
+    /// all others never are. The first of three members therefore learns other values there than the others.
     pub frontier: f32,
     /// Transitions in each batch drawn.
     pub batches: RefCell<Vec<usize>>,
 }
 
-/// The scripted student's action, shape `[width]`: another one for every state, goal and network.
+/// The scripted student's action, shape `[width]`: a different one for every state, goal and network.
+///
+/// ```
+/// use agents::Network;
+/// use curricula::testing::scripted_action;
+///
+/// let action = |goal: f64| scripted_action(&[0.5], &[goal], Network::Online, 2);
+/// assert_eq!(action(0.25), action(0.25));
+/// assert_ne!(action(0.25), action(0.75));
+/// ```
 pub fn scripted_action(state: &[f64], goal: &[f64], network: Network, width: usize) -> Vec<f64> {
     let phase = match network {
         Network::Online | Network::TargetCritic => 0.0,

@@ -8,7 +8,7 @@ use super::sim::{SUBSTEPS, Sim, Snapshot};
 use crate::playback::{PlaybackError, SimulationStart, Start};
 
 impl Sim {
-    /// The constants that every recording of a simulation holds, and the environment's `own`.
+    /// The constants that every recording of a simulation holds, with the environment's `own` added.
     pub(crate) fn constants(&self, initial: &Snapshot, own: Value) -> Map<String, Value> {
         let model = self.model();
         let flags = model.opt().disableflags;

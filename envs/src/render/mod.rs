@@ -5,14 +5,13 @@
 
 mod image;
 mod plane;
-mod scene;
 mod simulation;
 
 use crate::env::GoalEnv;
+use crate::scene::{GoalShape, Viewpoint};
 
+pub use crate::scene::{PlaneScene, Rectangle, Scene, SimulationScene};
 pub use image::Image;
-pub(crate) use scene::{GoalShape, Sphere, Viewpoint};
-pub use scene::{PlaneScene, Rectangle, Scene, SimulationScene};
 
 use plane::PlaneRenderer;
 use simulation::SimulationRenderer;

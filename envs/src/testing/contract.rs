@@ -37,10 +37,10 @@ const RULES: &[(&str, Rule)] = &[
 /// In this order:
 /// - the row has id, title and source, and its defaults can be trained with; a row that is verified by
 ///   recordings can play them back;
-/// - what it makes has the spec of the row, and observation, achieved goal and goal have the spec's lengths
-///   and are finite from its making through a whole episode of random actions, which no step ends early;
-/// - the same stream gives the same episode, whatever was played, asked for or set before, and another stream
-///   another one;
+/// - the environment has the spec of its row; observation, achieved goal and goal have the spec's lengths and
+///   stay finite through a whole episode of random actions, which no step ends early;
+/// - the same stream gives the same episode, whatever was played, asked for or set before, and a different
+///   stream a different one;
 /// - two instances that are stepped in turn show what each shows alone;
 /// - `set_goal` refuses a goal of another length ([`EnvError::GoalLength`]) or with a number that is not
 ///   finite ([`EnvError::NotFinite`]) and keeps the old one; it takes a good one as it is;

@@ -39,14 +39,14 @@ impl Field {
 
 /// Collects deviations over a file.
 #[derive(Debug, Default)]
-pub(super) struct Comparison {
+pub(super) struct Differences {
     pub(super) deviations: Deviations,
     pub(super) reward_mismatches: usize,
     pub(super) success_mismatches: usize,
     pub(super) first_failure: Option<Divergence>,
 }
 
-impl Comparison {
+impl Differences {
     /// Compares two vectors number by number.
     ///
     /// # Errors

@@ -29,7 +29,7 @@ const EXTENSION: &str = ".json.gz";
 ///
 /// # Errors
 /// [`TraceError`] if the file is damaged or does not fit the environment. Differing numbers are no error:
-/// they stand in the report.
+/// the report lists them.
 pub fn verify_file(path: &Path) -> Result<FileReport, TraceError> {
     format::read(path)
         .and_then(|recording| playback::play_back(path, &recording))
@@ -38,6 +38,12 @@ pub fn verify_file(path: &Path) -> Result<FileReport, TraceError> {
 
 /// Replays every trace file in `folder` and the folders below it, in the order of their names. One damaged
 /// file does not keep the others from being verified.
+///
+/// ```
+/// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
+/// let error = envs::trace::verify_dir(folder.as_ref()).unwrap_err();
+/// assert_eq!(error.problem.to_string(), "no file ends with .json.gz");
+/// ```
 ///
 /// # Errors
 /// [`Problem::Read`] if a folder cannot be read, [`Problem::NoFiles`] if there is no trace file.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::compare::{Comparison, Field, check_length};
+use super::compare::{Differences, Field, check_length};
 use super::format::{Recording, Reset, Trace};
 use super::{FileReport, Place, Problem};
 use crate::draws::RecordedDraws;
@@ -11,7 +11,7 @@ use crate::mujoco::Physics;
 use crate::playback::{Playback, PlaybackError, Start};
 use crate::registry::{self, EnvOptions, Verification};
 
-/// Plays all that `recording` holds back.
+/// Plays back everything in `recording`.
 pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport, Box<Problem>> {
     let Recording { meta, resets, traces } = recording;
     if resets.is_empty() && traces.is_empty() {
@@ -22,16 +22,16 @@ pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport
     let row = registry::find(meta.environment()).map_err(Problem::Environment)?;
     let env = row.make(&EnvOptions { native_ccd }).map_err(Problem::Environment)?;
     let tolerance = row.verification.tolerance(physics);
-    let mut verifier = Verifier { env, tolerance, comparison: Comparison::default() };
+    let mut verifier = Verifier { env, tolerance, differences: Differences::default() };
     let ours = verifier.playback()?.constants();
-    let not_compared = verifier.comparison.constants(&meta.constants, &ours)?;
+    let not_compared = verifier.differences.constants(&meta.constants, &ours)?;
     for (index, reset) in resets.iter().enumerate() {
         verifier.reset(&Place::Reset(index), reset)?;
     }
     for (index, trace) in traces.iter().enumerate() {
         verifier.trace(index, trace)?;
     }
-    let Verifier { env, comparison, .. } = verifier;
+    let Verifier { env, differences, .. } = verifier;
     Ok(FileReport {
         file: file.to_owned(),
         environment: env.spec().id,
@@ -40,10 +40,10 @@ pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport
         traces: traces.len(),
         steps: traces.iter().map(|trace| trace.actions.len()).sum(),
         resets: resets.len(),
-        deviations: comparison.deviations,
-        reward_mismatches: comparison.reward_mismatches,
-        success_mismatches: comparison.success_mismatches,
-        first_failure: comparison.first_failure,
+        deviations: differences.deviations,
+        reward_mismatches: differences.reward_mismatches,
+        success_mismatches: differences.success_mismatches,
+        first_failure: differences.first_failure,
         not_compared,
     })
 }
@@ -51,7 +51,7 @@ pub(super) fn play_back(file: &Path, recording: &Recording) -> Result<FileReport
 struct Verifier {
     env: Box<dyn GoalEnv>,
     tolerance: f64,
-    comparison: Comparison,
+    differences: Differences,
 }
 
 /// What a recording shows of one moment: observation, achieved goal, qpos and qvel.
@@ -72,7 +72,7 @@ impl Verifier {
         let mut draws = RecordedDraws::new(&reset.draws);
         let outcome = self.playback()?.reset_recorded(&mut draws);
         outcome.map_err(|error| refused(place, error))?;
-        self.comparison.numbers(place, Field::Goal, &reset.goal, self.env.goal(), self.tolerance)?;
+        self.differences.numbers(place, Field::Goal, &reset.goal, self.env.goal(), self.tolerance)?;
         let shown = Shown {
             observation: &reset.observation,
             achieved: &reset.achieved_goal,
@@ -96,7 +96,7 @@ impl Verifier {
             self.compare(&place, &trace.shown_after(step), self.tolerance)?;
             let (achieved, goal) = (&self.env.observation().achieved, self.env.goal());
             let ours = (self.env.reward(achieved, goal), self.env.success(achieved, goal));
-            self.comparison.outcome(&place, (trace.reward[step], trace.is_success[step]), ours);
+            self.differences.outcome(&place, (trace.reward[step], trace.is_success[step]), ours);
         }
         Ok(())
     }
@@ -121,20 +121,20 @@ impl Verifier {
     fn compare(&mut self, place: &Place, shown: &Shown<'_>, tolerance: f64) -> Result<(), Box<Problem>> {
         let state = self.playback()?.capture();
         let (qpos, qvel) = positions_and_velocities(&state);
-        let (comparison, ours) = (&mut self.comparison, self.env.observation());
+        let (differences, ours) = (&mut self.differences, self.env.observation());
         for (field, recorded, ours) in [
             (Field::Observation, shown.observation, ours.state.as_slice()),
             (Field::AchievedGoal, shown.achieved, &ours.achieved),
             (Field::Qpos, shown.qpos, qpos),
             (Field::Qvel, shown.qvel, qvel),
         ] {
-            comparison.numbers(place, field, recorded, ours, tolerance)?;
+            differences.numbers(place, field, recorded, ours, tolerance)?;
         }
         Ok(())
     }
 }
 
-/// `qpos` and `qvel` of a simulation. A maze has neither, so that none may be recorded for it.
+/// `qpos` and `qvel` of a simulation. A maze has neither, so its recording must hold none.
 fn positions_and_velocities(state: &Start) -> (&[f64], &[f64]) {
     match state {
         Start::Simulation(state) => (&state.qpos, &state.qvel),

@@ -33,8 +33,7 @@ pub struct FileReport {
     pub success_mismatches: usize,
     /// The first difference beyond the tolerance.
     pub first_failure: Option<Divergence>,
-    /// Entries of `meta` that the environment has nothing to compare with, such as versions of Python
-    /// packages.
+    /// Entries of `meta` with no counterpart in the environment, such as versions of Python packages.
     pub not_compared: Vec<String>,
 }
 

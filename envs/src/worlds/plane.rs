@@ -1,5 +1,4 @@
-//! What Point and the mazes share: a point on the square [−1, 1]² that knows its position and has to come
-//! close to a goal.
+//! What Point and the mazes share: a point on the square [−1, 1]² that has to come close to a goal.
 
 use serde_json::{Map, Value};
 
@@ -8,7 +7,7 @@ use crate::env::{Observation, Reward};
 use crate::error::EnvError;
 use crate::metric::WithinDistance;
 use crate::playback::{PlaybackError, RecordedWorld, Start};
-use crate::render::{PlaneScene, Rectangle, Scene};
+use crate::scene::{PlaneScene, Rectangle, Scene};
 use crate::world::World;
 
 /// Distance within which a goal counts as reached.

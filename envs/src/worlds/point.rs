@@ -9,7 +9,7 @@ use super::plane::{Ground, PointOn};
 use crate::draws::Draws;
 use crate::env::{Defaults, Spec};
 use crate::registry::Environment;
-use crate::render::Rectangle;
+use crate::scene::Rectangle;
 use crate::world::Env;
 
 /// The toy task.

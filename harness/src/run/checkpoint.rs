@@ -78,8 +78,9 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),
     };
-    let checkpoint: Checkpoint =
-        SEAL.open(&bytes).map_err(|reason| CheckpointError::Damaged { path: path.clone(), reason })?;
+    let checkpoint: Checkpoint = SEAL
+        .open(&bytes)
+        .map_err(|error| CheckpointError::Damaged { path: path.clone(), reason: error.to_string() })?;
     if checkpoint.run != run {
         return Err(CheckpointError::Damaged {
             path,

@@ -56,6 +56,12 @@ pub fn contract(entry: &Entry) {
 ///
 /// # Panics
 /// With what it does not keep.
+///
+/// ```
+/// use curricula::{Entry, methods::procurl::ProCurl, testing};
+///
+/// testing::contract_with(&Entry::of::<ProCurl>(), "selection = \"argmax\"");
+/// ```
 pub fn contract_with(entry: &Entry, config: &str) {
     let subject = Subject { entry, config };
     teaching::is_repeatable(subject);

@@ -20,7 +20,7 @@ use crate::metric::{WithinDistance, distance};
 use crate::mujoco::{Physics, Sim, Snapshot};
 use crate::playback::{PlaybackError, RecordedWorld, Start};
 use crate::registry::{Constructor, EnvOptions, Environment, PaperRow, Verification};
-use crate::render::{GoalShape, Scene, SimulationScene, Sphere, Viewpoint};
+use crate::scene::{GoalShape, Scene, SimulationScene, Sphere, Viewpoint};
 use crate::world::{Env, World};
 
 use super::ROBOTICS;
@@ -82,7 +82,7 @@ struct Fetch {
     settled: Arc<Settled>,
 }
 
-/// What the set-up comes to.
+/// The result of the set-up.
 struct Settled {
     /// State at the end of the set-up, where every episode starts.
     initial: Snapshot,
@@ -93,8 +93,8 @@ struct Settled {
 }
 
 impl Settled {
-    /// Simulates the set-up, or gives what an earlier simulation of it came to: a student that is evaluated
-    /// on twenty instances would otherwise wait for seconds at every start of a run.
+    /// Simulates the set-up, or gives the result of an earlier simulation: a student that is evaluated on
+    /// twenty instances would otherwise wait for seconds at every start of a run.
     fn of(sim: &mut Sim, task: &'static Task, parts: &Parts) -> Result<Arc<Self>, EnvError> {
         type Known = Mutex<Vec<(Arc<MjModel>, &'static Task, Arc<Settled>)>>;
         static KNOWN: Known = Mutex::new(Vec::new());

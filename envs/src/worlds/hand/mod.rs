@@ -11,7 +11,7 @@ use crate::error::EnvError;
 use crate::mujoco::sim::Joint;
 use crate::mujoco::{Physics, Sim};
 use crate::registry::{Constructor, EnvOptions, Environment, Verification};
-use crate::render::{GoalShape, Scene, SimulationScene, Viewpoint};
+use crate::scene::{GoalShape, Scene, SimulationScene, Viewpoint};
 use crate::world::Env;
 use crate::writer::Writer;
 

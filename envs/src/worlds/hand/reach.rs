@@ -10,7 +10,7 @@ use crate::error::EnvError;
 use crate::metric::{WithinDistance, norm};
 use crate::mujoco::{Physics, Site, Snapshot, sub};
 use crate::playback::{PlaybackError, RecordedWorld, Start};
-use crate::render::{GoalShape, Scene, Sphere};
+use crate::scene::{GoalShape, Scene, Sphere};
 use crate::world::World;
 use crate::writer::Writer;
 

@@ -1,6 +1,6 @@
 //! The wall grids of the mazes and the map between cells and coordinates.
 
-use crate::render::Rectangle;
+use crate::scene::Rectangle;
 
 /// Cells per side.
 const SIDE: usize = 13;

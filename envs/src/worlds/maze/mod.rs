@@ -13,7 +13,7 @@ use crate::draws::Draws;
 use crate::env::{Defaults, GoalEnv, Spec};
 use crate::error::EnvError;
 use crate::registry::{Constructor, Environment, Verification};
-use crate::render::Rectangle;
+use crate::scene::Rectangle;
 use crate::world::Env;
 
 use grid::{A, B, C, Cell, Grid, Layout};

@@ -122,7 +122,10 @@ fn measure(
     let mut played = |episodes| bar.inc(episodes);
     let tally =
         tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played).map_err(|error| {
-            HarnessError::Damaged { path: subject.folder.clone(), reason: format!("broke down: {error}") }
+            HarnessError::Damaged {
+                path: subject.folder.clone(),
+                reason: format!("broke down: {}", chain(&error)),
+            }
         })?;
     Ok(Measured {
         folder: subject.folder.clone(),

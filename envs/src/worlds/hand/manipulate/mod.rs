@@ -11,8 +11,8 @@ use crate::error::EnvError;
 use crate::mujoco::sim::Joint;
 use crate::mujoco::{Physics, Site, Snapshot};
 use crate::playback::{PlaybackError, RecordedWorld, Start};
-use crate::render::{GoalShape, Scene};
 use crate::rotation::{Quat, normalized, parallel_rotations, product};
+use crate::scene::{GoalShape, Scene};
 use crate::world::World;
 use crate::writer::Writer;
 
@@ -76,10 +76,10 @@ impl Manipulate {
     }
 
     /// Back to the initial state. The reference does this without `mj_resetData`, so that controls and the
-    /// solver's warm start stay from the episode before. Here nothing stays. It makes no difference that
-    /// could be seen: MuJoCo starts its solver from the better of warm start and unconstrained acceleration,
-    /// and what stays from another state is never the better one (no bit differed in 750 resets of the
-    /// reference with and without).
+    /// solver's warm start stay from the episode before. Here nothing stays. The outcome is the same: MuJoCo
+    /// starts its solver from the better of warm start and unconstrained acceleration, and a warm start left
+    /// over from another state is never the better one (in 750 resets of the reference with and without it,
+    /// no bit differed).
     fn back_to_start(&mut self) {
         let sim = &mut self.hand.sim;
         sim.data_mut().reset();
@@ -98,8 +98,8 @@ impl Manipulate {
         joined([x + dx, y + dy, z + dz], normalized(quat))
     }
 
-    /// Places the object and holds the hand in the middle of its ranges. Whether the object stays on the
-    /// palm.
+    /// Places the object and holds the hand in the middle of its ranges. Returns whether the object stays on
+    /// the palm.
     fn settle(&mut self, pose: &Pose) -> Result<bool, EnvError> {
         let first = self.object.qpos;
         self.hand.sim.data_mut().qpos_mut()[first..first + 7].copy_from_slice(pose);

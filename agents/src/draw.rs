@@ -47,18 +47,18 @@ impl Hindsight {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Draw {
     /// Index of the episode's record.
-    pub(super) record: usize,
+    pub(crate) record: usize,
     /// t in [0, H).
-    pub(super) step: usize,
+    pub(crate) step: usize,
     /// Index in [1, H] of the achieved goal to relabel with; none keeps the goal that was asked for.
-    pub(super) relabel: Option<usize>,
+    pub(crate) relabel: Option<usize>,
 }
 
 impl Draw {
     /// Draws t uniformly and, with probability k/(k + 1), the index of an achieved goal. All strategies take
     /// the same number of random numbers, so that the choice of strategy changes goals but not which
     /// transitions are drawn.
-    pub(super) fn new(record: usize, horizon: usize, hindsight: Hindsight, rng: &mut Rng) -> Self {
+    pub(crate) fn new(record: usize, horizon: usize, hindsight: Hindsight, rng: &mut Rng) -> Self {
         let step = rng.random_range(0..horizon);
         let relabel = rng.random::<f64>() < relabel_probability(hindsight.k);
         let relabel = relabel.then(|| hindsight.strategy.index(step, horizon, rng.random()));

@@ -1,4 +1,4 @@
-//! What environments say about how they look.
+//! What environments say about how they look. The public part of it stands in [`render`](crate::render).
 
 use crate::mujoco::Sim;
 
@@ -6,7 +6,7 @@ use crate::mujoco::Sim;
 pub enum Scene<'a> {
     /// Something in the plane, seen from above.
     Plane(PlaneScene<'a>),
-    /// A MuJoCo simulation. Only this crate's own environments can show one.
+    /// A MuJoCo simulation, for worlds of this crate alone: see [`SimulationScene`].
     Simulation(SimulationScene<'a>),
 }
 
@@ -37,6 +37,11 @@ impl PlaneScene<'_> {
 }
 
 /// A MuJoCo simulation.
+///
+/// There is no way to make one outside this crate. It refers to model and state in the types of the MuJoCo
+/// binding, which are no part of this crate's interface: if they were, every program with a simulation of its
+/// own would have to be built against exactly the binding and the libmujoco that this crate uses. A world
+/// outside can show a [`PlaneScene`], or join this crate.
 pub struct SimulationScene<'a> {
     /// The simulation.
     pub(crate) sim: &'a Sim,

@@ -1,0 +1,18 @@
+//! What a student experiences.
+
+use envs::Rows;
+
+/// One finished episode, horizon H.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// States, shape `[H + 1, S]`.
+    pub states: Rows,
+    /// Achieved goals, shape `[H + 1, G]`.
+    pub achieved: Rows,
+    /// Actions, shape `[H, A]`.
+    pub actions: Rows,
+    /// The goal asked for, shape `[G]`.
+    pub goal: Vec<f64>,
+    /// Success at the last step.
+    pub success: bool,
+}
