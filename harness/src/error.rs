@@ -5,12 +5,15 @@
 //! together for people.
 
 use std::error::Error;
+use std::fmt::Display;
 use std::path::PathBuf;
+use std::process::ExitStatus;
 
 use reports::gate::GateError;
 use reports::schema::RunKey;
 use reports::store::StoreError;
 
+use crate::run::manifest::ManifestError;
 use crate::suggest::hint;
 
 /// What caused an error, where several kinds of error can.
@@ -69,13 +72,49 @@ pub enum HarnessError {
         /// The differing fields, one per line.
         differences: String,
     },
-    /// A file of an earlier run that cannot be read as what it should be.
+    /// A protocol that cannot be turned from one notation into another.
+    #[error("{place}: cannot be written as {notation}")]
+    Notation {
+        /// Where the protocol stands.
+        place: String,
+        /// `JSON` or `TOML`.
+        notation: &'static str,
+        /// What has no such form.
+        source: Cause,
+    },
+    /// A file of an earlier run that is not what was written.
     #[error("{path}: {reason}")]
     Damaged {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// The manifest of an earlier run that is not what was written.
+    #[error("{path}")]
+    Manifest {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: ManifestError,
+    },
+    /// A path that was given does not lead to what is looked for: runs, a task, a policy.
+    #[error("{path}: {reason}")]
+    Missing {
+        /// The path.
+        path: PathBuf,
+        /// What is not there.
+        reason: String,
+    },
+    /// A run or an environment that was given cannot be used on this machine, or broke down in use.
+    #[error("{subject}: cannot {action}")]
+    Unusable {
+        /// The run's folder, or the environment's id.
+        subject: String,
+        /// What was tried, as in `evaluate this run`.
+        action: &'static str,
+        /// Why it failed.
+        source: Cause,
     },
     /// Somebody else works on the results folder.
     #[error(
@@ -100,6 +139,22 @@ pub enum HarnessError {
         /// What it said.
         reason: String,
     },
+    /// An earlier job array still has these runs.
+    #[error(
+        "job {job} of an earlier submission is still in the queue with these runs; wait for it or scancel it"
+    )]
+    Queued {
+        /// Slurm's id of the job.
+        job: String,
+    },
+    /// A path that no script can name.
+    #[error("{path}: cannot stand in the script of a job array")]
+    Script {
+        /// The path.
+        path: PathBuf,
+        /// What a script cannot hold.
+        source: Cause,
+    },
     /// A file operation failed.
     #[error("{path}: cannot {action}")]
     Io {
@@ -116,7 +171,7 @@ pub enum HarnessError {
     /// Runs that the regression gate cannot compare.
     #[error(transparent)]
     Gate(GateError),
-    /// Options with which the regression gate would be none.
+    /// Options under which the regression gate could never fail, or cannot be computed.
     #[error("{option}")]
     GateOption {
         /// The options.
@@ -159,10 +214,18 @@ pub enum HarnessError {
     /// A run did not come to the end that something else needs.
     #[error("{run}: {reason}")]
     Run {
-        /// Run id.
-        run: String,
+        /// The run.
+        run: RunKey,
         /// Why.
         reason: String,
+    },
+    /// A process that was to print a profile did not. It has said why on standard error.
+    #[error("{arguments}: this process printed no profile ({status})")]
+    NoProfile {
+        /// What it was started with.
+        arguments: String,
+        /// How it ended.
+        status: ExitStatus,
     },
 }
 
@@ -199,6 +262,13 @@ impl HarnessError {
         move |error| Self::System { action, source: error.into() }
     }
 
+    /// Wraps why something that was given cannot be used:
+    /// `.map_err(HarnessError::unusable("MazeA", "make this environment"))`.
+    pub fn unusable<E: Into<Cause>>(subject: impl Display, action: &'static str) -> impl FnOnce(E) -> Self {
+        let subject = subject.to_string();
+        move |error| Self::Unusable { subject, action, source: error.into() }
+    }
+
     /// Wraps why a run cannot be carried out: `.map_err(HarnessError::impossible(&key, "begin"))`.
     pub fn impossible<E: Into<Cause>>(run: &RunKey, action: &'static str) -> impl FnOnce(E) -> Self {
         let run = run.clone();
@@ -218,7 +288,9 @@ impl From<GateError> for HarnessError {
 }
 
 /// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`.
-/// A cause whose first line the text ends with already is not repeated.
+///
+/// Errors of this workspace leave the text of their cause to the chain, but some libraries' do not: where the
+/// text already ends with a cause, or with its first line, that is not told again.
 pub fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

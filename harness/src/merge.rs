@@ -48,7 +48,7 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
         let folders = Results::new(source).runs()?;
         if folders.is_empty() {
             let path = layout::runs_dir(source);
-            return Err(HarnessError::Damaged { path, reason: "holds no runs".into() });
+            return Err(HarnessError::Missing { path, reason: "holds no runs".into() });
         }
         for folder in folders {
             let found = read(folder)?;

@@ -13,8 +13,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use protobuf::CodedOutputStream;
 use reports::schema::{Record, Teaching, Timing};
-use reports::store::RunFolder;
 pub use reports::store::layout::EVENTS;
+use reports::store::{RunFolder, StoreError};
 
 use crate::run::folder::new_file;
 
@@ -54,9 +54,8 @@ impl EventFile {
     /// If the file cannot be written.
     pub fn append(&mut self, record: &Record, teaching: &Teaching, timing: &Timing) -> std::io::Result<()> {
         let event = framed(&scalars_event(self.begun, record, teaching, timing));
-        self.file
-            .write_all(&event)
-            .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display())))
+        self.file.write_all(&event).map_err(StoreError::io(&self.path, "append to this file"))?;
+        Ok(())
     }
 }
 

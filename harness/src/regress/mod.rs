@@ -16,14 +16,15 @@ use reports::gate::config;
 use serde_json::Value;
 
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::config::layer::Document;
+use crate::error::{Cause, HarnessError};
 use crate::protocol::Protocol;
-use crate::protocol::plan::Plan;
+use crate::protocol::plan::{Plan, PlannedRun};
 use crate::run::manifest::{self, COMMIT};
 
 /// The runs of `plan` as the gate knows them.
 pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
-    let expected = |run: &crate::protocol::plan::PlannedRun| {
+    let expected = |run: &PlannedRun| {
         let resolved = serde_json::to_value(&run.config).expect("a config is plain data");
         ExpectedRun {
             key: run.key.clone(),
@@ -38,11 +39,10 @@ pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
 /// machine.
 ///
 /// # Errors
-/// [`HarnessError::Protocol`] if the protocol is no TOML or has no JSON form.
+/// [`HarnessError::Protocol`] if the protocol is no TOML, [`HarnessError::Notation`] if it has no JSON form.
 pub fn provenance(source: String, protocol: &str) -> Result<Provenance, HarnessError> {
-    let unfit = |reason: String| HarnessError::Protocol { place: source.clone(), reason };
-    let table: toml::Table = protocol.parse().map_err(|error: toml::de::Error| unfit(error.to_string()))?;
-    let protocol = serde_json::to_value(table).map_err(|error| unfit(error.to_string()))?;
+    let (_, table) = Document::parse(&source, protocol)?;
+    let protocol = serde_json::to_value(table).map_err(unwritable(&source, "JSON"))?;
     Ok(Provenance { source, protocol, versions: manifest::versions(), cpu: cpu() })
 }
 
@@ -58,12 +58,15 @@ pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result
 }
 
 fn as_toml(protocol: &Value, place: &str) -> Result<String, HarnessError> {
-    let unfit = |reason: String| HarnessError::Protocol { place: place.to_owned(), reason };
-    let table = toml::Table::try_from(protocol).map_err(|error| unfit(error.to_string()))?;
-    toml::to_string(&table).map_err(|error| unfit(error.to_string()))
+    let table = toml::Table::try_from(protocol).map_err(unwritable(place, "TOML"))?;
+    toml::to_string(&table).map_err(unwritable(place, "TOML"))
 }
 
-/// In what this machine is another than the one that recorded: identical curves cannot be expected then.
+fn unwritable<E: Into<Cause>>(place: &str, notation: &'static str) -> impl FnOnce(E) -> HarnessError {
+    move |error| HarnessError::Notation { place: place.to_owned(), notation, source: error.into() }
+}
+
+/// How this machine differs from the one that recorded the baseline; curves may then differ too.
 pub fn foreign(baseline: &Baseline) -> Vec<String> {
     let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {

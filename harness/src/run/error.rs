@@ -25,7 +25,10 @@ pub enum RunError {
         /// N.
         size: usize,
     },
-    /// Recording failed; the run itself is well.
+    /// The student's experience cannot be kept; the run itself is well.
+    #[error("cannot save a checkpoint")]
+    Unsaved(#[source] AgentError),
+    /// Something cannot be recorded; the run itself is well.
     #[error("cannot record")]
-    Recording(#[from] std::io::Error),
+    Unrecorded(#[from] std::io::Error),
 }

@@ -27,19 +27,55 @@ pub fn hash(key: &RunKey, config: &Value) -> String {
     digest::sha256(text.as_bytes())
 }
 
+/// What is wrong with a manifest.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ManifestError {
+    /// It is not there.
+    #[error("there is no manifest")]
+    Missing,
+    /// Another version of the program wrote it.
+    #[error("has schema {found}, this program writes schema {SCHEMA}")]
+    Schema {
+        /// The schema that it has.
+        found: u32,
+    },
+    /// Its hash is that of another config.
+    #[error("its hash does not fit its config: it was altered after it was written")]
+    Altered,
+    /// Its folder is another run's.
+    #[error("belongs to the run {found}, not to {wanted}")]
+    OtherRun {
+        /// The run that it names.
+        found: Box<RunKey>,
+        /// The run whose folder it lies in.
+        wanted: Box<RunKey>,
+    },
+    /// Its config is none of this program's.
+    #[error("config.{field}")]
+    Config {
+        /// The first field that does not fit.
+        field: String,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
+
 /// Reads the typed config back.
 ///
 /// # Errors
-/// What is wrong with the manifest: another schema, a config that does not fit, a hash that does not match.
-pub fn config(manifest: &Manifest) -> Result<RunConfig, String> {
+/// [`ManifestError`] if it has another schema, a config that does not fit, or a hash that does not match.
+pub fn config(manifest: &Manifest) -> Result<RunConfig, ManifestError> {
     if manifest.schema != SCHEMA {
-        return Err(format!("has schema {}, this program writes schema {SCHEMA}", manifest.schema));
+        return Err(ManifestError::Schema { found: manifest.schema });
     }
     if hash(&manifest.run, &manifest.config) != manifest.hash {
-        return Err("its hash does not fit its config: it was altered after it was written".into());
+        return Err(ManifestError::Altered);
     }
-    serde_path_to_error::deserialize(&manifest.config)
-        .map_err(|error| format!("config.{}: {}", error.path(), error.inner()))
+    serde_path_to_error::deserialize(&manifest.config).map_err(|error| ManifestError::Config {
+        field: error.path().to_string(),
+        source: error.into_inner(),
+    })
 }
 
 /// Which of a manifest's versions is the commit that the program was built from. Two builds are never refused

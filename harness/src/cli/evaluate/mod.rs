@@ -120,10 +120,8 @@ fn measure(
     let mut student = policy.student(envs[0].spec())?;
     let mut rng = stream(args.seed, Purpose::FinalEvaluation);
     let mut played = |episodes| bar.inc(episodes);
-    let tally =
-        tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played).map_err(|error| {
-            HarnessError::Damaged { path: subject.folder.clone(), reason: format!("broke down: {error}") }
-        })?;
+    let tally = tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played)
+        .map_err(HarnessError::unusable(subject.folder.display(), "evaluate this run"))?;
     Ok(Measured {
         folder: subject.folder.clone(),
         results: subject.results.clone(),

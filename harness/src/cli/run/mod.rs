@@ -166,6 +166,15 @@ fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
     Ok(summarise(&endings, sweep.results(), args.json))
 }
 
+/// The words of the options for sbatch, which are given as one would type them in a shell.
+fn words(options: &[String]) -> Result<Vec<String>, HarnessError> {
+    let split = |option: &String| {
+        let reason = || format!("`{option}`: its quotes do not match");
+        shlex::split(option).ok_or_else(|| HarnessError::Argument { option: "--sbatch", reason: reason() })
+    };
+    Ok(options.iter().map(split).collect::<Result<Vec<_>, _>>()?.concat())
+}
+
 fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
     let request = Request {
         name: format!("goalbench-{}", folder_name(name)),
@@ -176,7 +185,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
         chunk: args.slurm.chunk.map_or(1, usize::from),
         retries: args.retries,
         tensorboard: args.tensorboard,
-        extra: args.slurm.extra.clone(),
+        extra: words(&args.slurm.extra)?,
     };
     let Some(submitted) = sweep.submit(&request)? else {
         print("nothing to submit\n");

@@ -15,7 +15,7 @@ pub use reports::store::read_json;
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
-use super::manifest::{self, differences};
+use super::manifest::{self, ManifestError, differences};
 use crate::config::RunConfig;
 use crate::error::HarnessError;
 pub use recorder::{Extent, Recorder};
@@ -35,8 +35,8 @@ pub enum State {
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
-/// another version of the program; [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not
-/// what they were.
+/// another version of the program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
+/// [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
@@ -53,9 +53,10 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
             }),
         };
     };
-    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
+    let damaged = |source| HarnessError::Manifest { path: path.clone(), source };
     if found.run != wanted.run {
-        return Err(damaged(format!("belongs to the run {}, not to {}", found.run, wanted.run)));
+        let (found, wanted) = (Box::new(found.run), Box::new(wanted.run.clone()));
+        return Err(damaged(ManifestError::OtherRun { found, wanted }));
     }
     let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
     if found.config != wanted.config {
@@ -102,11 +103,11 @@ pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
 /// The manifest in a run's folder, with its config.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`] or [`HarnessError::Store`] if there is none, or it is not what was written.
+/// [`HarnessError::Manifest`] or [`HarnessError::Store`] if there is none, or it is not what was written.
 pub fn read_manifest(folder: &Path) -> Result<(Manifest, RunConfig), HarnessError> {
     let run = RunFolder::new(folder);
-    let damaged = |reason| HarnessError::Damaged { path: run.file(layout::MANIFEST), reason };
-    let manifest = run.manifest()?.ok_or_else(|| damaged("there is no manifest".into()))?;
+    let damaged = |source| HarnessError::Manifest { path: run.file(layout::MANIFEST), source };
+    let manifest = run.manifest()?.ok_or_else(|| damaged(ManifestError::Missing))?;
     let config = manifest::config(&manifest).map_err(damaged)?;
     Ok((manifest, config))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use reports::schema::{Outcome, Record, Teaching, Timing};
-use reports::store::{RunFolder, layout};
+use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
 use super::{checksums, write_json};
@@ -66,9 +66,7 @@ impl Log {
     fn append(&mut self, value: &impl Serialize) -> std::io::Result<()> {
         let mut line = serde_json::to_vec(value)?;
         line.push(b'\n');
-        self.file.write_all(&line).map_err(|error| {
-            std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display()))
-        })?;
+        self.file.write_all(&line).map_err(StoreError::io(&self.path, "append to this file"))?;
         self.bytes += line.len() as u64;
         self.crc.update(&line);
         Ok(())

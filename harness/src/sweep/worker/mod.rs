@@ -131,8 +131,10 @@ fn train(
             telling.tell(&Event::Stopped { step: trainer.step() }).map_err(unwritable())?;
             return Ok(None);
         }
-        Err(RunError::Recording(source)) => return Err(unwritable()(source)),
-        Err(error) if is_libtorch(&error) => return Err(machine(&manifest.run, error)),
+        Err(RunError::Unrecorded(source)) => return Err(unwritable()(source)),
+        Err(error) if is_libtorch(&error) || matches!(error, RunError::Unsaved(_)) => {
+            return Err(machine(&manifest.run, error));
+        }
         Err(error) => Outcome::Failed { step: trainer.step(), reason: chain(&error) },
     };
     recording.end(&outcome).map_err(unwritable())?;
