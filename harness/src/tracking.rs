@@ -1,8 +1,8 @@
 //! TensorBoard event files, written on request beside a run's records.
 //!
-//! The file holds nothing that the records do not, but for when the run began: it is written anew from them
-//! whenever a worker begins, then grows with every evaluation. Its format is TensorFlow's: framed records
-//! ([TFRecord]), each an `Event` message of `event.proto`.
+//! But for the time at which the run began, the file holds only what the records hold: it is written anew
+//! from them whenever a worker begins, then grows with every evaluation. Its format is TensorFlow's: framed
+//! records ([TFRecord]), each an `Event` message of `event.proto`.
 //!
 //! [TFRecord]: https://www.tensorflow.org/tutorials/load_data/tfrecord
 
@@ -16,14 +16,14 @@ use reports::schema::{Record, Teaching, Timing};
 pub use reports::store::layout::EVENTS;
 use reports::store::{RunFolder, StoreError};
 
-use crate::run::folder::new_file;
+use crate::files::new_file;
 
 /// A run's event file, open for more.
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// When the run began, in seconds since 1970, pauses between attempts left out. As the first file of the
-    /// run says; that takes the run to be going on while it is written.
+    /// When the run began, in seconds since 1970. The run's first event file fixes it: the time at which that
+    /// is written, less the time that the run had taken until then.
     begun: f64,
 }
 

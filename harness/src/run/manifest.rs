@@ -7,6 +7,7 @@ use reports::store::digest;
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;
+use crate::error::ManifestError;
 use crate::protocol::plan::PlannedRun;
 
 /// The manifest of a planned run.
@@ -27,40 +28,6 @@ pub fn hash(key: &RunKey, config: &Value) -> String {
     digest::sha256(text.as_bytes())
 }
 
-/// What is wrong with a manifest.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ManifestError {
-    /// It is not there.
-    #[error("there is no manifest")]
-    Missing,
-    /// Another version of the program wrote it.
-    #[error("has schema {found}, this program writes schema {SCHEMA}")]
-    Schema {
-        /// The schema that it has.
-        found: u32,
-    },
-    /// Its hash is that of another config.
-    #[error("its hash does not fit its config: it was altered after it was written")]
-    Altered,
-    /// Its folder is another run's.
-    #[error("belongs to the run {found}, not to {wanted}")]
-    OtherRun {
-        /// The run that it names.
-        found: Box<RunKey>,
-        /// The run whose folder it lies in.
-        wanted: Box<RunKey>,
-    },
-    /// Its config is none of this program's.
-    #[error("config.{field}")]
-    Config {
-        /// The first field that does not fit.
-        field: String,
-        /// Why.
-        source: serde_json::Error,
-    },
-}
-
 /// Reads the typed config back.
 ///
 /// # Errors
@@ -78,8 +45,8 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, ManifestError> {
     })
 }
 
-/// Which of a manifest's versions is the commit that the program was built from. Two builds are never refused
-/// for it alone, since most commits change no result.
+/// The name, among a manifest's versions, of the commit that the program was built from. It alone never keeps
+/// a run from going on, since most commits change no result.
 pub const COMMIT: &str = "commit";
 
 /// How the program that wrote `manifest` differs from this one: a line for each differing version, commits

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::job::Job;
 use super::local::Conduct;
 use crate::error::{Cause, HarnessError};
+use crate::files::write_json;
 use crate::run::folder::{self, State, read_json};
 
 /// What a user says about the job array.
@@ -92,7 +93,7 @@ pub(super) fn submit(
     let tasks =
         Tasks { results, retries: request.retries, tensorboard: request.tensorboard, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
-    folder::write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
+    write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let script = folder.join("task.sh");
     let text = script_text(&program, &list)?;

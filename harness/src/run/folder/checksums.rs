@@ -1,4 +1,4 @@
-//! `checksums.json`: what the records of an ended run were when it ended, so that a later change is noticed.
+//! `checksums.json`: checksums of an ended run's records, so that a later change is noticed.
 
 use std::collections::BTreeMap;
 
@@ -7,8 +7,8 @@ use reports::store::layout::{self, CHECKSUMS};
 use reports::store::{RunFolder, read_json};
 use serde::{Deserialize, Serialize};
 
-use super::write_json;
 use crate::error::HarnessError;
+use crate::files::write_json;
 
 /// The files that hold what a run found.
 const FILES: [&str; 2] = [layout::RECORDS, layout::TEACHING];

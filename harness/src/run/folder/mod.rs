@@ -3,21 +3,18 @@
 mod checksums;
 mod recorder;
 
-use std::fs::{self, Permissions};
-use std::io::Write;
-use std::os::unix::fs::PermissionsExt;
+use std::fs;
 use std::path::Path;
 
 use reports::schema::{Manifest, Outcome};
 use reports::store::RunFolder;
 use reports::store::layout::{self, Lives};
 pub use reports::store::read_json;
-use serde::Serialize;
-use tempfile::NamedTempFile;
 
-use super::manifest::{self, ManifestError, differences};
+use super::manifest::{self, differences};
 use crate::config::RunConfig;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, ManifestError};
+use crate::files::write_json;
 pub use recorder::{Extent, Recorder};
 
 /// What a run's folder holds.
@@ -90,7 +87,7 @@ pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, Ha
     Ok(outcome)
 }
 
-/// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
+/// Turns a failed run back into an unfinished one, which goes on from its checkpoint if it has one.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
@@ -120,26 +117,4 @@ pub fn create(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
     write_json(&folder.join(layout::MANIFEST), manifest)
         .map_err(HarnessError::io(folder, "write the manifest"))
-}
-
-/// A temporary file in `folder`, to be renamed into place; as readable as any other new file (the umask
-/// applies), because results folders are shared.
-///
-/// # Errors
-/// If it cannot be created.
-pub fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
-    tempfile::Builder::new().permissions(Permissions::from_mode(0o666)).tempfile_in(folder)
-}
-
-/// Writes `value` as pretty JSON, whole or not at all.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write_json(path: &Path, value: &impl Serialize) -> std::io::Result<()> {
-    let mut file = new_file(path.parent().expect("a file lies in a folder"))?;
-    serde_json::to_writer_pretty(&mut file, value)?;
-    file.write_all(b"\n")?;
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    Ok(())
 }
