@@ -22,8 +22,7 @@ pub enum Activity {
     Running,
     /// It has begun and nobody is on it.
     Stopped,
-    /// Its workers went away too often, or the last one did, and no evaluation was recorded since; it can go
-    /// on.
+    /// Its last worker crashed and no evaluation was recorded since; it can go on.
     Crashed,
     /// Its files are not what they were.
     Damaged,

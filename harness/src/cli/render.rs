@@ -12,7 +12,7 @@ use envs::rng::{Purpose, Rng, stream};
 use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
-use crate::run::folder::new_file;
+use crate::files::new_file;
 use crate::run::policy::Policy;
 
 #[derive(clap::Args)]

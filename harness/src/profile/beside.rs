@@ -19,8 +19,8 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Speed of all together over that of one alone, round by round. Both of a round are measured within
-    /// moments, so that other work on the machine slows them alike.
+    /// Speed of all together over that of one alone, round by round. The two of a round are measured one
+    /// right after the other, so that other work on the machine slows both alike.
     fn gains(&self) -> Vec<f64> {
         self.together.iter().zip(&self.alone).map(|(together, alone)| together / alone).collect()
     }

@@ -1,10 +1,11 @@
 //! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
-//! How runs are compared is [`reports::gate`]'s: it knows neither protocols nor programs. Here is what ties
-//! them to it: a [`Plan`] becomes [`ExpectedRun`]s, a protocol becomes JSON and back, this machine tells its
-//! versions and processor. A [sweep](crate::sweep) carries out the plan or finds it carried out.
+//! [`reports::gate`] compares runs and knows neither protocols nor programs. This module connects it to them:
+//! it turns a [`Plan`] into [`ExpectedRun`]s and a protocol into JSON and back, and names this machine's
+//! versions and processor. A [sweep](crate::sweep) carries out the plan, or finds that it was carried out
+//! before.
 //!
-//! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
+//! The page `harness/docs/regression.md` says how to use it and which faults it was seen to catch.
 
 use std::fs;
 use std::path::Path;
@@ -35,8 +36,8 @@ pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
     plan.runs.iter().map(expected).collect()
 }
 
-/// What is recorded of a protocol besides its curves: the options `source` that name it, its TOML, and this
-/// machine.
+/// What a baseline records besides its curves: the protocol in TOML, the options `source` that name it, and
+/// this machine.
 ///
 /// # Errors
 /// [`HarnessError::Protocol`] if the protocol is no TOML, [`HarnessError::Notation`] if it has no JSON form.
@@ -48,8 +49,7 @@ pub fn provenance(source: String, protocol: &str) -> Result<Provenance, HarnessE
 
 /// The protocol that was recorded in the baseline at `path`, with the baseline's seeds.
 ///
-/// # Errors
-/// [`HarnessError`] if this program does not take it.
+/// # Errors [`HarnessError`] if this program cannot read it.
 pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result<Protocol, HarnessError> {
     let place = format!("{} (protocol)", path.display());
     let mut protocol = Protocol::parse(&place, &as_toml(&baseline.protocol, &place)?, registry)?;

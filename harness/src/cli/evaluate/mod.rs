@@ -45,7 +45,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// What a run's policy came to.
+/// What was measured of a run.
 struct Measured {
     folder: PathBuf,
     /// The results folder that the run belongs to.
@@ -106,7 +106,7 @@ fn measure_all(
     Ok(measured)
 }
 
-/// Builds what one run needs, on the thread that plays, and plays.
+/// Builds what one run needs on the thread that plays its episodes, and plays them.
 fn measure(
     registry: &Registry,
     subject: &Subject,

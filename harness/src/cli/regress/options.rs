@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::gate::GateError;
 use reports::gate::compare::Settings;
 
 use crate::cli::complain;
@@ -63,6 +64,16 @@ pub(super) struct RunsArgs {
     /// Keep the runs in this new results folder, for `goalbench report` [default: they are removed]
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
+}
+
+/// Names the options under which the gate could never fail or could not be computed.
+pub(super) fn name_options(error: GateError) -> HarnessError {
+    let option = match error {
+        GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
+        GateError::Draws { .. } => "--now, --before, --draws",
+        error => return error.into(),
+    };
+    HarnessError::flag(option)(error)
 }
 
 /// A results folder in which all runs have ended.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag};
 use super::{Exit, complain, print};
 use crate::Registry;
-use crate::config::layer::Layer;
+use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -137,7 +137,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
     }
     if args.executor == Executor::Local {
-        sweep.check_device()?;
+        sweep.check_device().map_err(HarnessError::flag("--device"))?;
     }
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
@@ -225,13 +225,17 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
     }
     protocol.seeds = args.seeds.or(protocol.seeds)?;
     if let Some(steps) = args.steps {
-        protocol.set_steps(steps);
+        // More steps than TOML's integers can hold are refused like any other number that is too large.
+        let value = i64::try_from(steps).unwrap_or(i64::MAX);
+        let option = format!("--steps {steps}");
+        protocol.set(ConfigLayer::from_option(option, &["budget", "steps"], value.into()));
     }
     if let Some(device) = &args.device {
-        protocol.set_device(device);
+        let option = format!("--device {device}");
+        protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {
-        protocol.set(Layer::from_set(assignment)?);
+        protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
     }
     Ok(protocol)
 }
