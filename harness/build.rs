@@ -7,8 +7,8 @@ use std::process::Command;
 #[path = "../ci/link.rs"]
 mod link;
 
-/// What a result depends on. The build script runs again when one of them changes, so that it never tells an
-/// old commit.
+/// What a result depends on. The build script runs again when one of them changes, so that it never reports
+/// an old commit.
 const SOURCES: [&str; 8] = [
     "../Cargo.toml",
     "../Cargo.lock",

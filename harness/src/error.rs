@@ -1,14 +1,16 @@
 //! What a user can run into, worded for them.
 //!
-//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error says
-//! its own part alone: what caused it is its [`source`](std::error::Error::source), and [`chain`] puts both
-//! together for people.
+//! Input errors hold the place, the field and the reason; I/O errors the path and the action. An error's text
+//! does not repeat its cause: that is its [`source`](std::error::Error::source), and [`chain`] joins them for
+//! people.
 
 use std::error::Error;
+use std::fmt::Display;
 use std::path::PathBuf;
+use std::process::ExitStatus;
 
 use reports::gate::GateError;
-use reports::schema::RunKey;
+use reports::schema::{RunKey, SCHEMA};
 use reports::store::StoreError;
 
 use crate::suggest::hint;
@@ -69,7 +71,17 @@ pub enum HarnessError {
         /// The differing fields, one per line.
         differences: String,
     },
-    /// A file of an earlier run that cannot be read as what it should be.
+    /// A protocol that cannot be turned from one notation into another.
+    #[error("{place}: cannot be written as {notation}")]
+    Notation {
+        /// Where the protocol stands.
+        place: String,
+        /// `JSON` or `TOML`.
+        notation: &'static str,
+        /// What has no such form.
+        source: Cause,
+    },
+    /// A file of an earlier run that is not what was written.
     #[error("{path}: {reason}")]
     Damaged {
         /// The file.
@@ -77,7 +89,33 @@ pub enum HarnessError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Somebody else works on the results folder.
+    /// The manifest of an earlier run that is not what was written.
+    #[error("{path}")]
+    Manifest {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: ManifestError,
+    },
+    /// A path that was given does not lead to what is looked for: runs, a task, a policy.
+    #[error("{path}: {reason}")]
+    Missing {
+        /// The path.
+        path: PathBuf,
+        /// What is not there.
+        reason: String,
+    },
+    /// A run or an environment that was given cannot be used on this machine, or broke down in use.
+    #[error("{subject}: cannot {action}")]
+    Unusable {
+        /// The run's folder, or the environment's id.
+        subject: String,
+        /// What was tried, as in `evaluate this run`.
+        action: &'static str,
+        /// Why it failed.
+        source: Cause,
+    },
+    /// Another process works on the folder.
     #[error(
         "{folder}: another goalbench process is working on this folder; wait for it or choose another --out"
     )]
@@ -91,7 +129,7 @@ pub enum HarnessError {
         /// The runs, a line each, with what conflicts.
         runs: String,
     },
-    /// There is no picture.
+    /// A picture cannot be drawn.
     #[error(transparent)]
     Render(#[from] envs::render::RenderError),
     /// Slurm does not take the job.
@@ -99,6 +137,22 @@ pub enum HarnessError {
     Slurm {
         /// What it said.
         reason: String,
+    },
+    /// An earlier job array still has these runs.
+    #[error(
+        "job {job} of an earlier submission is still in the queue with these runs; wait for it or scancel it"
+    )]
+    Queued {
+        /// Slurm's id of the job.
+        job: String,
+    },
+    /// A path that no script can name.
+    #[error("{path}: cannot stand in the script of a job array")]
+    Script {
+        /// The path.
+        path: PathBuf,
+        /// What a script cannot hold.
+        source: Cause,
     },
     /// A file operation failed.
     #[error("{path}: cannot {action}")]
@@ -115,14 +169,26 @@ pub enum HarnessError {
     Store(#[from] StoreError),
     /// Runs that the regression gate cannot compare.
     #[error(transparent)]
-    Gate(GateError),
-    /// Options with which the regression gate would be none.
+    Gate(#[from] GateError),
+    /// The library refused what a flag asks for.
     #[error("{option}")]
-    GateOption {
-        /// The options.
+    Flag {
+        /// The flag, or several of them.
         option: &'static str,
-        /// What is wrong with them.
-        source: Box<GateError>,
+        /// Why.
+        source: Cause,
+    },
+    /// A folder that must be new is there already.
+    #[error("{folder} exists already; name a new folder")]
+    Exists {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The device that runs ask for cannot be used on this machine.
+    #[error("{reason}")]
+    Device {
+        /// What the process said that tried it.
+        reason: String,
     },
     /// The system refused something that is not about a file.
     #[error("cannot {action}")]
@@ -138,7 +204,7 @@ pub enum HarnessError {
     /// Traces could not be replayed.
     #[error(transparent)]
     Traces(envs::trace::TraceError),
-    /// The machine failed a run, which may go better another time: too little memory, for one.
+    /// The machine failed a run, for want of memory for example; another attempt may succeed.
     #[error("{run}")]
     Machine {
         /// The run.
@@ -156,19 +222,61 @@ pub enum HarnessError {
         /// What broke down.
         source: Cause,
     },
-    /// A run did not come to the end that something else needs.
+    /// A run did not end as something else needs it to.
     #[error("{run}: {reason}")]
     Run {
-        /// Run id.
-        run: String,
+        /// The run.
+        run: RunKey,
         /// Why.
         reason: String,
+    },
+    /// A process that was to print a profile did not. It has said why on standard error.
+    #[error("{arguments}: this process printed no profile ({status})")]
+    NoProfile {
+        /// What it was started with.
+        arguments: String,
+        /// How it ended.
+        status: ExitStatus,
+    },
+}
+
+/// What is wrong with a manifest.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ManifestError {
+    /// It is not there.
+    #[error("there is no manifest")]
+    Missing,
+    /// Another version of the program wrote it.
+    #[error("has schema {found}, this program writes schema {SCHEMA}")]
+    Schema {
+        /// The schema that it has.
+        found: u32,
+    },
+    /// Its hash is that of another config.
+    #[error("its hash does not fit its config: it was altered after it was written")]
+    Altered,
+    /// Its folder is another run's.
+    #[error("belongs to the run {found}, not to {wanted}")]
+    OtherRun {
+        /// The run that it names.
+        found: Box<RunKey>,
+        /// The run whose folder it lies in.
+        wanted: Box<RunKey>,
+    },
+    /// Its config does not fit this program.
+    #[error("config.{field}")]
+    Config {
+        /// The first field that does not fit.
+        field: String,
+        /// Why.
+        source: serde_json::Error,
     },
 }
 
 impl HarnessError {
-    /// Whether the same input may go well another time: the machine failed, or its disk. Damaged data stays
-    /// damaged.
+    /// Whether the same command may succeed another time, because the machine or its disk failed. Damaged
+    /// data stays damaged.
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Io { source, .. } => source.kind() != std::io::ErrorKind::InvalidData,
@@ -194,9 +302,21 @@ impl HarnessError {
         move |source| Self::Io { path, action, source }
     }
 
+    /// Names the flag that asked for what is refused: `.map_err(HarnessError::flag("--device"))`.
+    pub fn flag<E: Into<Cause>>(option: &'static str) -> impl FnOnce(E) -> Self {
+        move |error| Self::Flag { option, source: error.into() }
+    }
+
     /// Wraps what the system refused: `.map_err(HarnessError::system("listen for signals"))`.
     pub fn system<E: Into<Cause>>(action: &'static str) -> impl FnOnce(E) -> Self {
         move |error| Self::System { action, source: error.into() }
+    }
+
+    /// Wraps why something that was given cannot be used:
+    /// `.map_err(HarnessError::unusable("MazeA", "make this environment"))`.
+    pub fn unusable<E: Into<Cause>>(subject: impl Display, action: &'static str) -> impl FnOnce(E) -> Self {
+        let subject = subject.to_string();
+        move |error| Self::Unusable { subject, action, source: error.into() }
     }
 
     /// Wraps why a run cannot be carried out: `.map_err(HarnessError::impossible(&key, "begin"))`.
@@ -206,19 +326,10 @@ impl HarnessError {
     }
 }
 
-impl From<GateError> for HarnessError {
-    fn from(source: GateError) -> Self {
-        let option = match source {
-            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
-            GateError::Draws { .. } => "--now, --before, --draws",
-            error => return Self::Gate(error),
-        };
-        Self::GateOption { option, source: Box::new(source) }
-    }
-}
-
 /// An error with all that caused it, as in `records.jsonl: cannot write this file: No space left on device`.
-/// A cause whose first line the text ends with already is not repeated.
+///
+/// Errors of this workspace do not repeat their cause, but those of some libraries do: a cause whose first
+/// line the text already ends with is left out.
 pub fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

@@ -54,7 +54,7 @@ impl Estimates {
         runs.iter().map(kind).collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// Measures every kind among `runs`, `parallel` at a time, as the runs themselves would go.
+    /// Measures every kind among `runs`, `parallel` at a time, as a sweep would run them.
     ///
     /// # Errors
     /// [`HarnessError::Impossible`] naming a run that cannot be carried out here.
@@ -94,7 +94,7 @@ fn measure(registry: &Registry, run: &PlannedRun) -> Result<Speed, RunError> {
     config.budget.steps = CYCLES * cycle;
     config.evaluation.every = config.budget.steps;
     config.evaluation.episodes = EPISODES;
-    // A warm-up, in which nothing is learned, is over soon; what takes time is the learning.
+    // Nothing is learned in the warm-up, which is soon over; learning is what takes time.
     config.student.warmup_episodes = 0;
     config.student.updates_per_cycle = UPDATES.min(run.config.student.updates_per_cycle);
     let updates = run.config.student.updates_per_cycle as f64 / config.student.updates_per_cycle as f64;

@@ -4,13 +4,14 @@
 //! worker processes; each [`run`] writes its own folder; `goalbench report` reads those folders and nothing
 //! else.
 //!
-//! A program of one's own with further curricula is three lines: see [`Registry`]. How to add a command-line
-//! flag stands in [`cli`].
+//! A program of your own with further curricula is three lines: see [`Registry`]. [`cli`] says how to add a
+//! command-line flag.
 
 pub mod cli;
 pub mod config;
 pub mod error;
 pub mod estimate;
+mod files;
 pub mod merge;
 pub mod paper;
 pub mod profile;

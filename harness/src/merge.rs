@@ -34,12 +34,11 @@ struct Candidate {
 /// the one that has come further is taken.
 ///
 /// # Errors
-/// [`HarnessError::Conflict`] naming every conflicting run, [`HarnessError::Argument`] if `out` exists, and
+/// [`HarnessError::Conflict`] naming every conflicting run, [`HarnessError::Exists`] if `out` does, and
 /// whatever keeps files from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     if out.exists() {
-        let reason = format!("{} exists already; name a new folder", out.display());
-        return Err(HarnessError::Argument { option: "--out", reason });
+        return Err(HarnessError::Exists { folder: out.to_owned() });
     }
     let mut chosen: BTreeMap<String, Candidate> = BTreeMap::new();
     let mut conflicts = Vec::new();
@@ -48,7 +47,7 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
         let folders = Results::new(source).runs()?;
         if folders.is_empty() {
             let path = layout::runs_dir(source);
-            return Err(HarnessError::Damaged { path, reason: "holds no runs".into() });
+            return Err(HarnessError::Missing { path, reason: "holds no runs".into() });
         }
         for folder in folders {
             let found = read(folder)?;
@@ -78,7 +77,7 @@ fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
     let (manifest, _) = folder::read_manifest(folder.path())?;
     folder.check_place(&manifest)?;
     if is_locked(folder.path()) {
-        // Its files do not stay together while they are copied.
+        // Its worker would change the files while they are copied.
         return Err(HarnessError::Locked { folder: folder.path().to_owned() });
     }
     let records = folder.bytes(layout::RECORDS)?.unwrap_or_default();
@@ -101,7 +100,7 @@ fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
     None
 }
 
-/// Further is who has finished, then who has recorded more, then who has failed there.
+/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed.
 fn is_further(a: &Candidate, b: &Candidate) -> bool {
     let rank = |found: &Candidate| {
         let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));

@@ -6,10 +6,9 @@ use reports::schema::RunKey;
 
 use crate::error::HarnessError;
 
-/// Lists of environments, suites and curricula. The built-in ones can be extended from a program of one's
-/// own, which then has the whole command line:
-/// `goalbench::cli::main(Registry::builtin().with_environment(MINE))`. See `harness/examples/` for two such
-/// programs.
+/// Lists of environments, suites and curricula. A program of your own can extend the built-in ones and then
+/// has the whole command line: `goalbench::cli::main(Registry::builtin().with_environment(MINE))`. See
+/// `harness/examples/` for two such programs.
 #[derive(Clone)]
 pub struct Registry {
     environments: Vec<Environment>,
@@ -51,9 +50,8 @@ impl Registry {
 
     /// Adds a suite: a name that stands for `environments` wherever ids of environments are given.
     ///
-    /// # Panics
-    /// If an environment or a suite is called `id` already, or if there is no such environment: those of
-    /// one's own come first.
+    /// # Panics If an environment or a suite is called `id` already, or if one of `environments` is unknown:
+    /// add environments of your own first.
     #[must_use]
     pub fn with_suite(mut self, id: &'static str, environments: &'static [&'static str]) -> Self {
         self.require_free(id);

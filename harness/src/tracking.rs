@@ -1,8 +1,8 @@
 //! TensorBoard event files, written on request beside a run's records.
 //!
-//! The file holds nothing that the records do not, but for when the run began: it is written anew from them
-//! whenever a worker begins, then grows with every evaluation. Its format is TensorFlow's: framed records
-//! ([TFRecord]), each an `Event` message of `event.proto`.
+//! But for the time at which the run began, the file holds only what the records hold: it is written anew
+//! from them whenever a worker begins, then grows with every evaluation. Its format is TensorFlow's: framed
+//! records ([TFRecord]), each an `Event` message of `event.proto`.
 //!
 //! [TFRecord]: https://www.tensorflow.org/tutorials/load_data/tfrecord
 
@@ -13,17 +13,17 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use protobuf::CodedOutputStream;
 use reports::schema::{Record, Teaching, Timing};
-use reports::store::RunFolder;
 pub use reports::store::layout::EVENTS;
+use reports::store::{RunFolder, StoreError};
 
-use crate::run::folder::new_file;
+use crate::files::new_file;
 
 /// A run's event file, open for more.
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// When the run began, in seconds since 1970, with pauses between attempts left out. It is taken from the
-    /// run's first event file, which is written as if the run were going on at that moment.
+    /// When the run began, in seconds since 1970. The run's first event file fixes it: the time at which that
+    /// is written, less the time that the run had taken until then.
     begun: f64,
 }
 
@@ -54,9 +54,8 @@ impl EventFile {
     /// If the file cannot be written.
     pub fn append(&mut self, record: &Record, teaching: &Teaching, timing: &Timing) -> std::io::Result<()> {
         let event = framed(&scalars_event(self.begun, record, teaching, timing));
-        self.file
-            .write_all(&event)
-            .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display())))
+        self.file.write_all(&event).map_err(StoreError::io(&self.path, "append to this file"))?;
+        Ok(())
     }
 }
 

@@ -6,9 +6,9 @@
 use std::cell::RefCell;
 
 use envs::rng::{Purpose, Rng, stream};
-use envs::{Defaults, EnvError, EnvOptions, Environment, GoalEnv, GoalSource, Observation, Reward, Spec};
+use envs::{EnvError, EnvOptions, Environment, GoalEnv, GoalSource, Observation, Reward, Spec};
 use goalbench::Registry;
-use goalbench::config::{self, layer::Layer};
+use goalbench::config::{self, layer::ConfigLayer};
 use goalbench::run::observer::Observer;
 use goalbench::run::train::Trainer;
 use reports::schema::{Record, RunKey, Teaching};
@@ -116,15 +116,7 @@ fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
 /// The same of a run that `observer` hears of.
 fn observed(curriculum: &str, seed: u64, more: &[&str], observer: &mut dyn Observer) -> Vec<Episode> {
     agents::prepare_thread();
-    let spec = Spec {
-        id: "Noted",
-        family: "toy",
-        state: 2,
-        goal: 2,
-        action: 2,
-        horizon: 20,
-        defaults: Defaults::TOY,
-    };
+    let spec = Spec { id: "Noted", ..envs::find("Point").expect("the toy task").spec.clone() };
     let registry =
         Registry::builtin().with_environment(Environment::new(spec.clone(), "A noted point", "A test", make));
     let method = *registry.curriculum(curriculum).expect("a curriculum of the table");
@@ -137,8 +129,11 @@ fn observed(curriculum: &str, seed: u64, more: &[&str], observer: &mut dyn Obser
         "evaluation.episodes=3",
         "pool.size=20",
     ];
-    let layers: Vec<Layer> =
-        settings.iter().chain(more).map(|set| Layer::from_set(set).expect("an assignment")).collect();
+    let layers: Vec<ConfigLayer> = settings
+        .iter()
+        .chain(more)
+        .map(|set| ConfigLayer::from_assignment("--set", set).expect("an assignment"))
+        .collect();
     let config = config::resolve(&registry, &spec, &method, &layers).expect("a valid config");
     let key = RunKey {
         environment: spec.id.into(),

@@ -10,10 +10,10 @@ use goalbench::protocol::presets::PRESETS;
 fn every_preset_is_a_plan() {
     let registry = Registry::builtin();
     for preset in &PRESETS {
-        let protocol = preset.protocol(&registry).expect(preset.name);
-        assert_eq!(protocol.name, preset.name);
-        assert!(!protocol.description.is_empty(), "{}", preset.name);
-        Plan::new(&protocol, &registry).expect(preset.name);
+        let protocol = preset.protocol(&registry).expect(preset.id);
+        assert_eq!(protocol.name, preset.id);
+        assert_eq!(protocol.description, preset.title);
+        Plan::new(&protocol, &registry).expect(preset.id);
     }
 }
 
@@ -21,7 +21,7 @@ fn every_preset_is_a_plan() {
 fn the_papers_protocol_has_its_size() {
     let registry = Registry::builtin();
     let protocol =
-        PRESETS.iter().find(|preset| preset.name == "paper").expect("it is there").protocol(&registry);
+        PRESETS.iter().find(|preset| preset.id == "paper").expect("it is there").protocol(&registry);
     let plan = Plan::new(&protocol.expect("valid"), &registry).expect("valid");
     assert_eq!(plan.runs.len(), 11 * 6 * 7);
     let steps =
@@ -32,7 +32,7 @@ fn the_papers_protocol_has_its_size() {
 #[test]
 fn the_open_readings_each_have_baselines_of_the_same_evaluation() {
     let registry = Registry::builtin();
-    let preset = PRESETS.iter().find(|preset| preset.name == "ambiguity").expect("it is there");
+    let preset = PRESETS.iter().find(|preset| preset.id == "ambiguity").expect("it is there");
     let plan = Plan::new(&preset.protocol(&registry).expect("valid"), &registry).expect("valid");
     let first = |run: &&PlannedRun| run.key.environment == "MazeA" && run.key.seed == 0;
     let (teach, baselines): (Vec<_>, Vec<_>) =
@@ -50,7 +50,7 @@ fn the_open_readings_each_have_baselines_of_the_same_evaluation() {
 fn the_ablations_have_the_grids_of_the_specification() {
     let registry = Registry::builtin();
     let values = |name: &str, field: &str| {
-        let preset = PRESETS.iter().find(|preset| preset.name == name).expect(name);
+        let preset = PRESETS.iter().find(|preset| preset.id == name).expect(name);
         let plan = Plan::new(&preset.protocol(&registry).expect(name), &registry).expect(name);
         let in_first = plan.runs.iter().filter(|run| run.key.environment == "MazeA" && run.key.seed == 0);
         in_first.map(|run| run.config.curriculum["teach"][field].to_string()).collect::<Vec<_>>()

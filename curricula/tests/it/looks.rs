@@ -30,8 +30,8 @@ fn methods_stand_out_from_paper_and_grid() {
         let share = f64::from(channel) / 255.0;
         if share <= 0.040_45 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
     };
-    for method in CURRICULA {
-        let (r, g, b) = look(method).colour;
+    for (method, look) in CURRICULA.iter().filter_map(|method| Some((method, method.look?))) {
+        let (r, g, b) = look.colour;
         let luminance = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
         let contrast = 1.05 / (luminance + 0.05);
         assert!(contrast >= 3.0, "{} has a contrast of {contrast:.2} to 1", method.id);

@@ -59,8 +59,8 @@ impl ProtocolFlags {
             (None, Some(name)) => {
                 let preset = presets::find(name)?;
                 Ok(Some(ProtocolText {
-                    flag: format!("--preset {}", preset.name),
-                    name: format!("preset {}", preset.name),
+                    flag: format!("--preset {}", preset.id),
+                    name: format!("preset {}", preset.id),
                     text: preset.text.to_owned(),
                 }))
             }

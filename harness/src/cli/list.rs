@@ -81,7 +81,7 @@ fn as_json(registry: &Registry, what: What) -> Value {
             .collect(),
         What::Presets => PRESETS
             .iter()
-            .map(|preset| json!({ "name": preset.name, "description": description(preset.text) }))
+            .map(|preset| json!({ "name": preset.id, "description": preset.title }))
             .collect(),
         What::Config => json!(config::defaults(registry)),
     }
@@ -105,8 +105,7 @@ fn as_text(registry: &Registry, what: What) -> String {
             format!("curriculum\n{}", lines.collect::<String>())
         }
         What::Presets => {
-            let lines =
-                PRESETS.iter().map(|preset| format!("{:<14} {}\n", preset.name, description(preset.text)));
+            let lines = PRESETS.iter().map(|preset| format!("{:<14} {}\n", preset.id, preset.title));
             format!("preset\n{}", lines.collect::<String>())
         }
         What::Config => config::defaults(registry).to_string(),
@@ -137,10 +136,4 @@ fn environments(registry: &Registry) -> String {
         text += &format!("* {note}\n");
     }
     text
-}
-
-/// The `description` of a preset's document.
-fn description(text: &str) -> String {
-    let table: toml::Table = text.parse().expect("presets are TOML; a test reads them all");
-    table.get("description").and_then(toml::Value::as_str).unwrap_or_default().to_owned()
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Exit, ExitCode, print};
+use crate::error::HarnessError;
 use crate::merge::merge;
 
 #[derive(clap::Args)]
@@ -16,7 +17,10 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Exit {
-    let merged = merge(&args.sources, &args.out)?;
+    let merged = merge(&args.sources, &args.out).map_err(|error| match error {
+        HarnessError::Exists { .. } => HarnessError::flag("--out")(error),
+        error => error,
+    })?;
     print(&format!(
         "{} runs in {} ({} of them found more than once)\n",
         merged.runs,

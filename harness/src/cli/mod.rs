@@ -14,8 +14,9 @@
 //! 3. A flag that other commands have as well goes into a struct of `cli/flags.rs` with
 //!    `#[command(flatten)]`, so that it is called, explained and read in one way.
 //! 4. Hand the value on as a field of the library's own type (`Conduct`, `Preparation`, `slurm::Request`):
-//!    nothing below the command line knows of flags. A flag that is short for a config field, as `--steps`
-//!    is, becomes a [`Layer`](crate::config::layer::Layer) instead.
+//!    the library knows no flags. Where it refuses a value, the command adds the flag's name with
+//!    [`HarnessError::flag`]. A flag that is short for a config field, as `--steps` is, becomes a
+//!    [`ConfigLayer`](crate::config::layer::ConfigLayer) instead.
 //! 5. Add a wrong value to `harness/tests/wrong_input.rs` and the flag to the page that tells of its command
 //!    (`harness/docs/`).
 

@@ -2,7 +2,7 @@
 
 use super::{Exit, print};
 use crate::Registry;
-use crate::config::layer::Layer;
+use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::profile::{beside, profile};
 use crate::protocol::Protocol;
@@ -65,7 +65,7 @@ fn plan(registry: &Registry, args: &Args) -> Result<PlannedRun, HarnessError> {
     protocol.curricula =
         registry.expand_curricula(std::slice::from_ref(&args.curriculum), "--curriculum: ")?;
     for assignment in &args.set {
-        let layer = Layer::from_set(assignment)?;
+        let layer = ConfigLayer::from_assignment("--set", assignment)?;
         if layer.table.contains_key("budget") {
             let reason =
                 format!("`{assignment}` would change nothing; --cycles says how long a profile trains");

@@ -11,8 +11,8 @@ use envs::rng::{Purpose, Rng, stream};
 
 use super::{Exit, ExitCode, print};
 use crate::Registry;
-use crate::error::{HarnessError, chain};
-use crate::run::folder::new_file;
+use crate::error::HarnessError;
+use crate::files::new_file;
 use crate::run::policy::Policy;
 
 #[derive(clap::Args)]
@@ -81,10 +81,6 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
     Ok(ExitCode::Success)
 }
 
-fn unusable(what: &Path, error: &dyn std::error::Error) -> HarnessError {
-    HarnessError::Damaged { path: what.to_owned(), reason: chain(error) }
-}
-
 /// Environment and student of a run.
 fn trained(registry: &Registry, folder: &Path) -> Result<(Box<dyn GoalEnv>, Actor), HarnessError> {
     let policy = Policy::read(registry, folder)?;
@@ -98,7 +94,9 @@ fn random(registry: &Registry, id: &str, seed: u64) -> Result<(Box<dyn GoalEnv>,
         let accepted = registry.environments().iter().map(envs::Environment::id);
         return Err(HarnessError::unknown("--env: ", "environment", id, accepted));
     };
-    let env = entry.make(&envs::EnvOptions::default()).map_err(|error| unusable(Path::new(id), &error))?;
+    let env = entry
+        .make(&envs::EnvOptions::default())
+        .map_err(HarnessError::unusable(id, "make this environment"))?;
     Ok((env, Actor::Random(Box::new(stream(seed, Purpose::Exploration)))))
 }
 
@@ -110,19 +108,19 @@ fn episode(
     renderer: &mut Renderer,
     frames: &mut Vec<(Image, u16)>,
 ) -> Result<bool, HarnessError> {
-    let id = Path::new(env.spec().id).to_owned();
+    let id = env.spec().id;
     let mut action = vec![0.0; env.spec().action];
-    env.reset(rng).map_err(|error| unusable(&id, &error))?;
+    env.reset(rng).map_err(HarnessError::unusable(id, "begin an episode"))?;
     renderer.begin_episode();
     frames.push((renderer.frame(env)?, FRAME_TIME));
     for _ in 0..env.spec().horizon {
         match actor {
             Actor::Student(agent) => agent
                 .act(env.observation(), env.goal(), Mode::Greedy, &mut action)
-                .map_err(|error| unusable(&id, &error))?,
+                .map_err(HarnessError::unusable(id, "choose an action"))?,
             Actor::Random(rng) => action.fill_with(|| envs::rng::uniform(rng, -1.0, 1.0)),
         }
-        env.step(&action).map_err(|error| unusable(&id, &error))?;
+        env.step(&action).map_err(HarnessError::unusable(id, "take a step"))?;
         frames.push((renderer.frame(env)?, FRAME_TIME));
     }
     if let Some((_, time)) = frames.last_mut() {

@@ -91,21 +91,21 @@ impl Origin {
 
 /// A partial config from one origin.
 #[derive(Clone, Debug)]
-pub struct Layer {
+pub struct ConfigLayer {
     /// Where it comes from.
     pub origin: Origin,
     /// The fields it sets.
     pub table: Table,
 }
 
-impl Layer {
-    /// The layer of one `--set path=value`. The value is read as TOML, and as a plain string where it is
-    /// none.
+impl ConfigLayer {
+    /// The layer of one assignment `path=value`, given with the command-line option `option`. The value is
+    /// read as TOML, and as a plain string where it is none.
     ///
     /// # Errors
     /// [`HarnessError::Argument`] if there is no `=` or the path is empty.
-    pub fn from_set(assignment: &str) -> Result<Self, HarnessError> {
-        let wrong = |reason: String| HarnessError::Argument { option: "--set", reason };
+    pub fn from_assignment(option: &'static str, assignment: &str) -> Result<Self, HarnessError> {
+        let wrong = |reason: String| HarnessError::Argument { option, reason };
         let (path, value) = assignment.split_once('=').ok_or_else(|| {
             wrong(format!("`{assignment}` has no `=`; accepted: path=value, as in curriculum.teach.window=5"))
         })?;
@@ -114,7 +114,7 @@ impl Layer {
             return Err(wrong(format!("`{assignment}` has an empty name in its path")));
         }
         let value = parse_value(value.trim());
-        Ok(Self { origin: Origin::Option(format!("--set {assignment}")), table: nest(&path, value) })
+        Ok(Self { origin: Origin::Option(format!("{option} {assignment}")), table: nest(&path, value) })
     }
 
     /// The layer of an option that stands for one config path.
@@ -154,8 +154,8 @@ fn nest(path: &[&str], value: Value) -> Table {
     table
 }
 
-/// Lays `over` upon `base`: tables merge, everything else is replaced; so is a table of another `kind`, whose
-/// fields are others.
+/// Lays `over` upon `base`: tables merge, everything else is replaced. So is a table of another `kind`, since
+/// its fields differ.
 pub fn merge(base: &mut Table, over: &Table) {
     let other_kind = |below: &Table, above: &Table| {
         above.get("kind").is_some_and(|kind| below.get("kind").is_some_and(|other| other != kind))
@@ -173,7 +173,7 @@ pub fn merge(base: &mut Table, over: &Table) {
 }
 
 /// Where the field at `path` was last set: the place in the topmost layer that touches it.
-pub fn place_of(layers: &[Layer], path: &str) -> String {
+pub fn place_of(layers: &[ConfigLayer], path: &str) -> String {
     let path: Vec<&str> = path.split('.').collect();
     match layers.iter().rev().find(|layer| layer.touches(&path)) {
         Some(layer) => layer.origin.place(&path),
@@ -197,20 +197,21 @@ mod tests {
 
     #[test]
     fn set_reads_toml_values_and_plain_words() {
-        let get = |text: &str| Layer::from_set(text).expect(text).table;
+        let set = |text: &str| ConfigLayer::from_assignment("--set", text);
+        let get = |text: &str| set(text).expect(text).table;
         assert_eq!(get("budget.steps=5_000").to_string(), "[budget]\nsteps = 5000\n");
         assert_eq!(get("student.preset=official").to_string(), "[student]\npreset = \"official\"\n");
         assert_eq!(get("a=[1, 2]")["a"].as_array().map(Vec::len), Some(2));
         assert_eq!(get("a=1\nb=2")["a"].as_str(), Some("1\nb=2"), "no smuggling of a second key");
-        assert!(Layer::from_set("budget.steps").is_err());
-        assert!(Layer::from_set(".steps=1").is_err());
+        assert!(set("budget.steps").is_err());
+        assert!(set(".steps=1").is_err());
     }
 
     #[test]
     fn the_topmost_layer_that_sets_a_field_is_named() {
         let (document, table) = Document::parse("p.toml", "name = 'x'\n[budget]\nsteps = 1\n").expect("TOML");
-        let file = Layer { origin: Origin::Document(document, vec![]), table };
-        let option = Layer::from_set("budget.steps=2").expect("valid");
+        let file = ConfigLayer { origin: Origin::Document(document, vec![]), table };
+        let option = ConfigLayer::from_assignment("--set", "budget.steps=2").expect("valid");
         assert_eq!(place_of(std::slice::from_ref(&file), "budget.steps"), "p.toml:3");
         assert_eq!(place_of(&[file.clone(), option], "budget.steps"), "--set budget.steps=2");
         assert_eq!(place_of(&[file], "student.batch"), "the defaults");

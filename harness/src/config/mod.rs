@@ -17,11 +17,11 @@ use toml::{Table, Value};
 
 use crate::Registry;
 use crate::error::HarnessError;
-use layer::{Layer, merge, place_of};
+use layer::{ConfigLayer, merge, place_of};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
 
-/// Everything that decides a run's bytes, the environment id and the seed apart.
+/// Everything that decides a run's bytes, apart from environment id and seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunConfig {
@@ -97,7 +97,7 @@ impl Default for Pool {
     }
 }
 
-/// The config as written: `auto` allowed, student and curriculum apart.
+/// The config as written: `auto` is allowed, student and curriculum are still plain tables.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct PartialConfig {
@@ -141,7 +141,7 @@ pub fn resolve(
     registry: &Registry,
     spec: &Spec,
     curriculum: &CurriculumEntry,
-    layers: &[Layer],
+    layers: &[ConfigLayer],
 ) -> Result<RunConfig, HarnessError> {
     try_resolve(registry, spec, curriculum, layers).map_err(|FieldError { path, reason }| {
         HarnessError::Config { place: place_of(layers, &path), path, reason }
@@ -152,7 +152,7 @@ fn try_resolve(
     registry: &Registry,
     spec: &Spec,
     curriculum: &CurriculumEntry,
-    layers: &[Layer],
+    layers: &[ConfigLayer],
 ) -> Result<RunConfig, FieldError> {
     let mut table = Table::new();
     for layer in layers {
@@ -227,7 +227,7 @@ fn complete(entry: &CurriculumEntry, written: &Table) -> Result<Table, FieldErro
     })
 }
 
-/// Larger counts than this are a slip of the keyboard, which would end in a lack of memory.
+/// Larger counts than this are a slip of the keyboard and would exhaust the memory.
 const MOST: u64 = 1_000_000;
 /// The same for training steps.
 const MOST_STEPS: u64 = 1_000_000_000;

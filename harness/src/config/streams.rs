@@ -1,4 +1,4 @@
-//! Random streams of a run, and seeds of single ones apart from the run's.
+//! Random streams of a run, and seeds that fix single ones.
 
 use agents::Auto;
 use envs::rng::{Purpose, Rng, stream};
@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// `seed`: the seed of each kind of random draws; `auto` is the run's own.
 ///
-/// With one of them held while the run's seed varies, the spread over seeds shows what the others contribute:
-/// the variance that comes of the pool of goals, say, apart from that of the initial weights.
+/// Hold one fixed while the run's seed varies, and its share of the spread over seeds is gone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -67,7 +66,7 @@ impl StreamSeeds {
             Purpose::Teacher => self.teacher,
             Purpose::Pool => self.pool,
             Purpose::Evaluation(_) => self.evaluation,
-            // Told apart after all training, by a seed that belongs to no run.
+            // Comes after training, with a seed of its own: that of `goalbench evaluate`.
             Purpose::FinalEvaluation => Auto::Auto,
         };
         given.value_or(|| run)

@@ -19,8 +19,8 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Speed of all together over that of one alone, round by round. Both of a round are measured within
-    /// moments, so that other work on the machine slows them alike.
+    /// Speed of all together over that of one alone, round by round. The two of a round are measured one
+    /// right after the other, so that other work on the machine slows both alike.
     fn gains(&self) -> Vec<f64> {
         self.together.iter().zip(&self.alone).map(|(together, alone)| together / alone).collect()
     }
@@ -61,8 +61,7 @@ impl Beside {
 /// at once, and so on for `rounds` rounds.
 ///
 /// # Errors
-/// [`HarnessError::System`] if a process cannot be started, [`HarnessError::Run`] if one fails: it has told
-/// why.
+/// [`HarnessError::Io`] if a process cannot be started, [`HarnessError::NoProfile`] if one fails.
 pub fn beside(arguments: &[String], runs: u16, rounds: u16) -> Result<Beside, HarnessError> {
     let mut found = Beside { runs, alone: Vec::new(), together: Vec::new() };
     for _ in 0..rounds {
@@ -88,9 +87,9 @@ fn at_once(arguments: &[String], runs: u16) -> Result<f64, HarnessError> {
         let speed = serde_json::from_slice::<Value>(&output.stdout)
             .ok()
             .and_then(|profile| profile["steps_per_second"].as_f64());
-        sum += speed.ok_or_else(|| HarnessError::Run {
-            run: arguments.join(" "),
-            reason: format!("this process printed no profile ({})", output.status),
+        sum += speed.ok_or_else(|| HarnessError::NoProfile {
+            arguments: arguments.join(" "),
+            status: output.status,
         })?;
     }
     Ok(sum)

@@ -1,4 +1,4 @@
-//! What a training step costs, by part, and what it would cost at least.
+//! What a training step costs, part by part, and the least that it could cost.
 
 use std::fmt::Write as _;
 
@@ -128,7 +128,7 @@ pub struct RunProfile {
     pub costs: Costs,
     /// Operations in the matrix products of a gradient step, in units of 10⁹.
     pub gflop: f64,
-    /// What it held.
+    /// The memory that it took.
     pub memory: Memory,
 }
 

@@ -1,8 +1,8 @@
 //! Where a run's time goes: a short training, watched part by part.
 //!
-//! The training loop is the one of every run, which tells its observer the time of each
-//! [`Stage`](crate::run::observer::Stage). Only the matrix products cannot be told apart from inside; they
-//! are run alone after every cycle ([`Products`]), as many as the cycle had.
+//! The training loop is that of every run: it tells its observer how long each
+//! [`Stage`](crate::run::observer::Stage) took. Only the matrix products cannot be timed inside it; as many
+//! as a cycle had are run alone after it ([`Products`]).
 
 pub mod beside;
 mod costs;
@@ -24,9 +24,8 @@ use watch::Watch;
 /// one checkpoint at the end stand for those of the whole run, which come once every `evaluation.every`
 /// steps.
 ///
-/// # Errors
-/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary folder can
-/// be had.
+/// # Errors [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary
+/// folder can be created.
 ///
 /// # Panics
 /// If `registry` lacks the run's environment or curriculum: plans only hold known ones.

@@ -12,8 +12,8 @@ use crate::run::folder::Extent;
 use crate::run::observer::{Checkpointer, Observer, Stage, StageTimes, Wish};
 use crate::run::state::TrainerState;
 
-/// Adds up what the loop tells, runs the bare products after every cycle, and saves one checkpoint at the
-/// end.
+/// Adds up the times that the loop tells, runs the bare products after every cycle, and saves one checkpoint
+/// at the end.
 pub(super) struct Watch<'a> {
     folder: &'a Path,
     products: Products,
@@ -21,9 +21,9 @@ pub(super) struct Watch<'a> {
     times: StageTimes,
     evaluations: u32,
     bare_products: Duration,
-    /// All of the cycles, without evaluations and checkpoint.
+    /// Time of all cycles, without evaluations and checkpoint.
     training: Duration,
-    /// When the running cycle began, later by the time of an evaluation that followed it.
+    /// When the current cycle began, moved forward by the time of an evaluation after it.
     begun: Instant,
 }
 

@@ -6,10 +6,10 @@ pub mod plan;
 pub mod presets;
 
 use serde::Deserialize;
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::Registry;
-use crate::config::layer::{Document, Layer, Origin};
+use crate::config::layer::{ConfigLayer, Document, Origin};
 use crate::config::strict::{self, FieldError};
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
@@ -31,13 +31,13 @@ pub struct Protocol {
     /// Run seeds.
     pub seeds: Vec<u64>,
     /// Config for all runs.
-    pub base: Layer,
+    pub base: ConfigLayer,
     /// Config for some environments or curricula, in order.
     pub overrides: Vec<Patch>,
     /// Labelled alternatives; empty means one, [`DEFAULT_VARIANT`], that changes nothing.
     pub variants: Vec<Variant>,
     /// Config from the command line, above everything else.
-    pub options: Vec<Layer>,
+    pub options: Vec<ConfigLayer>,
 }
 
 /// A layer of config with the environments and curricula that it applies to.
@@ -48,11 +48,11 @@ pub struct Patch {
     /// Only these curricula; empty means all.
     pub curricula: Vec<String>,
     /// What it sets.
-    pub layer: Layer,
+    pub layer: ConfigLayer,
 }
 
 impl Patch {
-    /// Whether the patch is for this pair.
+    /// Whether the patch applies to this pair.
     pub fn applies(&self, environment: &str, curriculum: &str) -> bool {
         let among = |list: &[String], id: &str| list.is_empty() || list.iter().any(|name| name == id);
         among(&self.environments, environment) && among(&self.curricula, curriculum)
@@ -174,7 +174,7 @@ impl Protocol {
         Ok(protocol)
     }
 
-    /// A protocol made on the command line alone: `--env` and `--curriculum` without file or preset.
+    /// A protocol made on the command line alone, without file or preset.
     pub fn from_options() -> Self {
         Self {
             name: "command line".into(),
@@ -182,7 +182,7 @@ impl Protocol {
             environments: Vec::new(),
             curricula: Vec::new(),
             seeds: vec![0],
-            base: Layer { origin: Origin::Option("the command line".into()), table: Table::new() },
+            base: ConfigLayer { origin: Origin::Option("the command line".into()), table: Table::new() },
             overrides: Vec::new(),
             variants: Vec::new(),
             options: Vec::new(),
@@ -190,20 +190,8 @@ impl Protocol {
     }
 
     /// Adds a command-line layer on top.
-    pub fn set(&mut self, layer: Layer) {
+    pub fn set(&mut self, layer: ConfigLayer) {
         self.options.push(layer);
-    }
-
-    /// Adds `--device`.
-    pub fn set_device(&mut self, device: &str) {
-        let value = Value::String(device.to_owned());
-        self.set(Layer::from_option(format!("--device {device}"), &["student", "device"], value));
-    }
-
-    /// Adds `--steps`.
-    pub fn set_steps(&mut self, steps: u64) {
-        let value = Value::Integer(i64::try_from(steps).unwrap_or(i64::MAX));
-        self.set(Layer::from_option(format!("--steps {steps}"), &["budget", "steps"], value));
     }
 }
 
@@ -237,8 +225,8 @@ impl Reader<'_> {
         })
     }
 
-    fn layer(&self, prefix: Vec<String>, table: Table) -> Layer {
-        Layer { origin: Origin::Document(self.document.clone(), prefix), table }
+    fn layer(&self, prefix: Vec<String>, table: Table) -> ConfigLayer {
+        ConfigLayer { origin: Origin::Document(self.document.clone(), prefix), table }
     }
 
     /// The patch `index` of those under the key `kind`.

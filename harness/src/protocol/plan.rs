@@ -4,7 +4,7 @@ use reports::schema::RunKey;
 
 use super::{DEFAULT_VARIANT, Protocol, Variant};
 use crate::Registry;
-use crate::config::layer::Layer;
+use crate::config::layer::ConfigLayer;
 use crate::config::{self, RunConfig};
 use crate::error::HarnessError;
 
@@ -63,8 +63,8 @@ impl Plan {
     }
 }
 
-/// Resolves every override and variant once, also those that apply to no planned run: a mistyped key in one
-/// of them is told now, not on the day when it first applies.
+/// Resolves every override and variant once, even those that apply to no planned run: a mistyped key in one
+/// of them is reported now, not on the day when it first matters.
 fn check_patches(protocol: &Protocol, registry: &Registry) -> Result<(), HarnessError> {
     let variants = protocol.variants.iter().map(|variant| &variant.patch);
     for patch in protocol.overrides.iter().chain(variants) {
@@ -101,7 +101,7 @@ fn resolve(
     let spec = &registry.environment(environment).expect(known).spec;
     let entry = registry.curriculum(curriculum).expect(known);
     let applying = protocol.overrides.iter().filter(|patch| patch.applies(environment, curriculum));
-    let layers: Vec<Layer> = std::iter::once(&protocol.base)
+    let layers: Vec<ConfigLayer> = std::iter::once(&protocol.base)
         .chain(applying.map(|patch| &patch.layer))
         .chain(variant.map(|variant| &variant.patch.layer))
         .chain(&protocol.options)

@@ -1,10 +1,11 @@
 //! The regression gate: carries out a reduced protocol, records it as a baseline, or checks against one.
 //!
-//! Runs are compared by [`reports::gate`], which knows neither protocols nor programs. This module connects
-//! the two: it turns a [`Plan`] into [`ExpectedRun`]s and a protocol into JSON and back, and tells this
-//! machine's versions and processor. A [sweep](crate::sweep) carries out the plan or finds it carried out.
+//! [`reports::gate`] compares runs and knows neither protocols nor programs. This module connects it to them:
+//! it turns a [`Plan`] into [`ExpectedRun`]s and a protocol into JSON and back, and names this machine's
+//! versions and processor. A [sweep](crate::sweep) carries out the plan, or finds that it was carried out
+//! before.
 //!
-//! The page `harness/docs/regression.md` says how to use it and what it was seen to catch.
+//! The page `harness/docs/regression.md` says how to use it and which faults it was seen to catch.
 
 use std::fs;
 use std::path::Path;
@@ -16,14 +17,15 @@ use reports::gate::config;
 use serde_json::Value;
 
 use crate::Registry;
-use crate::error::HarnessError;
+use crate::config::layer::Document;
+use crate::error::{Cause, HarnessError};
 use crate::protocol::Protocol;
-use crate::protocol::plan::Plan;
+use crate::protocol::plan::{Plan, PlannedRun};
 use crate::run::manifest::{self, COMMIT};
 
 /// The runs of `plan` as the gate knows them.
 pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
-    let expected = |run: &crate::protocol::plan::PlannedRun| {
+    let expected = |run: &PlannedRun| {
         let resolved = serde_json::to_value(&run.config).expect("a config is plain data");
         ExpectedRun {
             key: run.key.clone(),
@@ -34,22 +36,20 @@ pub fn expected(plan: &Plan) -> Vec<ExpectedRun> {
     plan.runs.iter().map(expected).collect()
 }
 
-/// What is recorded of a protocol besides its curves: the options `source` that name it, its TOML, and this
-/// machine.
+/// What a baseline records besides its curves: the protocol in TOML, the options `source` that name it, and
+/// this machine.
 ///
 /// # Errors
-/// [`HarnessError::Protocol`] if the protocol is no TOML or has no JSON form.
+/// [`HarnessError::Protocol`] if the protocol is no TOML, [`HarnessError::Notation`] if it has no JSON form.
 pub fn provenance(source: String, protocol: &str) -> Result<Provenance, HarnessError> {
-    let unfit = |reason: String| HarnessError::Protocol { place: source.clone(), reason };
-    let table: toml::Table = protocol.parse().map_err(|error: toml::de::Error| unfit(error.to_string()))?;
-    let protocol = serde_json::to_value(table).map_err(|error| unfit(error.to_string()))?;
+    let (_, table) = Document::parse(&source, protocol)?;
+    let protocol = serde_json::to_value(table).map_err(unwritable(&source, "JSON"))?;
     Ok(Provenance { source, protocol, versions: manifest::versions(), cpu: cpu() })
 }
 
 /// The protocol that was recorded in the baseline at `path`, with the baseline's seeds.
 ///
-/// # Errors
-/// [`HarnessError`] if this program does not take it.
+/// # Errors [`HarnessError`] if this program cannot read it.
 pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result<Protocol, HarnessError> {
     let place = format!("{} (protocol)", path.display());
     let mut protocol = Protocol::parse(&place, &as_toml(&baseline.protocol, &place)?, registry)?;
@@ -58,12 +58,15 @@ pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result
 }
 
 fn as_toml(protocol: &Value, place: &str) -> Result<String, HarnessError> {
-    let unfit = |reason: String| HarnessError::Protocol { place: place.to_owned(), reason };
-    let table = toml::Table::try_from(protocol).map_err(|error| unfit(error.to_string()))?;
-    toml::to_string(&table).map_err(|error| unfit(error.to_string()))
+    let table = toml::Table::try_from(protocol).map_err(unwritable(place, "TOML"))?;
+    toml::to_string(&table).map_err(unwritable(place, "TOML"))
 }
 
-/// How this machine differs from the one that recorded; if it does, identical curves cannot be expected.
+fn unwritable<E: Into<Cause>>(place: &str, notation: &'static str) -> impl FnOnce(E) -> HarnessError {
+    move |error| HarnessError::Notation { place: place.to_owned(), notation, source: error.into() }
+}
+
+/// How this machine differs from the one that recorded the baseline; curves may then differ too.
 pub fn foreign(baseline: &Baseline) -> Vec<String> {
     let now = manifest::versions();
     let version = |(name, there): (&String, &String)| {

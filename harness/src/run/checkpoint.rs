@@ -2,8 +2,8 @@
 //! happened.
 //!
 //! `checkpoint.bin` holds the state, sealed with magic, version and CRC-32; the replay buffer's episodes lie
-//! in the log beside it, which only grows. The file is replaced atomically after the log is written, so
-//! whenever the process dies the file that is there fits the log.
+//! in the log beside it, which only grows. The file is replaced atomically after the log is written, so that
+//! it fits the log whenever the process dies.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -13,8 +13,9 @@ use agents::Seal;
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
-use super::folder::{Extent, new_file};
+use super::folder::Extent;
 use super::state::TrainerState;
+use crate::files::new_file;
 
 const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
 

@@ -8,13 +8,13 @@ use envs::EnvError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The physics.
+    /// The environment broke down.
     #[error(transparent)]
     Environment(#[from] EnvError),
-    /// The student.
+    /// The student broke down.
     #[error(transparent)]
     Student(#[from] AgentError),
-    /// The teacher.
+    /// The teacher broke down.
     #[error(transparent)]
     Teacher(#[from] CurriculumError),
     /// The teacher asked for a goal that the pool does not hold.
@@ -22,10 +22,13 @@ pub enum RunError {
     NoSuchGoal {
         /// What it asked for.
         index: usize,
-        /// N.
+        /// Goals in the pool.
         size: usize,
     },
-    /// Recording failed; the run itself is well.
+    /// The student's experience cannot be kept; the run itself is well.
+    #[error("cannot save a checkpoint")]
+    Unsaved(#[source] AgentError),
+    /// Something cannot be recorded; the run itself is well.
     #[error("cannot record")]
-    Recording(#[from] std::io::Error),
+    Unrecorded(#[from] std::io::Error),
 }

@@ -40,7 +40,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// The same per episode, of which there must be one.
+    /// The same per episode; there must be at least one.
     pub fn score(&self) -> Score {
         let episodes = self.episodes as f64;
         Score {

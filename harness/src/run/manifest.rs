@@ -7,6 +7,7 @@ use reports::store::checksums::manifest_hash;
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;
+use crate::error::ManifestError;
 use crate::protocol::plan::PlannedRun;
 
 /// The manifest of a planned run.
@@ -24,20 +25,22 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
 /// Reads the typed config back.
 ///
 /// # Errors
-/// What is wrong with the manifest: another schema, a config that does not fit, a hash that does not match.
-pub fn config(manifest: &Manifest) -> Result<RunConfig, String> {
+/// [`ManifestError`] if it has another schema, a config that does not fit, or a hash that does not match.
+pub fn config(manifest: &Manifest) -> Result<RunConfig, ManifestError> {
     if manifest.schema != SCHEMA {
-        return Err(format!("has schema {}, this program writes schema {SCHEMA}", manifest.schema));
+        return Err(ManifestError::Schema { found: manifest.schema });
     }
     if manifest_hash(&manifest.run, &manifest.config) != manifest.hash {
-        return Err("its hash does not fit its config: it was altered after it was written".into());
+        return Err(ManifestError::Altered);
     }
-    serde_path_to_error::deserialize(&manifest.config)
-        .map_err(|error| format!("config.{}: {}", error.path(), error.inner()))
+    serde_path_to_error::deserialize(&manifest.config).map_err(|error| ManifestError::Config {
+        field: error.path().to_string(),
+        source: error.into_inner(),
+    })
 }
 
-/// Which of a manifest's versions is the commit that the program was built from. Two builds are never refused
-/// for it alone, since most commits change no result.
+/// The name, among a manifest's versions, of the commit that the program was built from. It alone never keeps
+/// a run from going on, since most commits change no result.
 pub const COMMIT: &str = "commit";
 
 /// How the program that wrote `manifest` differs from this one: a line for each differing version, commits

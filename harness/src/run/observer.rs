@@ -27,7 +27,7 @@ pub enum Stage {
     Teaching,
     /// The student takes its gradient steps.
     Learning,
-    /// The part of [`Learning`](Self::Learning) in which it draws batches, for students that measure it.
+    /// The part of [`Learning`](Self::Learning) in which it draws batches, if the student reports it.
     Sampling,
     /// The student is evaluated.
     Evaluating,

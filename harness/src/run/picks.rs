@@ -58,8 +58,8 @@ pub fn note(teaching: &mut Teaching, ranks: &mut Ranks, proposal: &Proposal) {
     }
 }
 
-/// Appends an episode's number to a list that exists only for teachers with such numbers. Without a list,
-/// `before` episodes had none.
+/// Appends an episode's number to a list that exists only for teachers with such numbers. If there is no list
+/// yet, the `before` episodes so far had no such number.
 fn push<T: Clone>(list: &mut Option<Vec<Option<T>>>, before: usize, value: Option<T>) {
     if value.is_some() || list.is_some() {
         list.get_or_insert_with(|| vec![None; before]).push(value);

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use agents::{Agent, AgentError};
-use envs::{EnvError, EnvOptions, GoalEnv, Spec};
+use agents::Agent;
+use envs::{EnvOptions, GoalEnv, Spec};
 use reports::schema::{Manifest, RunKey};
 
 use super::checkpoint::{self, CHECKPOINT, CheckpointError};
@@ -11,7 +11,7 @@ use super::folder;
 use super::state::TrainerState;
 use crate::Registry;
 use crate::config::RunConfig;
-use crate::error::{HarnessError, chain};
+use crate::error::{Cause, HarnessError};
 
 /// What a run's folder holds of its student, read at one moment. The folder is only read, and a run in
 /// progress may go on: its checkpoint is replaced whole.
@@ -25,14 +25,13 @@ pub struct Policy {
 impl Policy {
     /// Reads the run in `folder`.
     ///
-    /// # Errors
-    /// [`HarnessError`] if there is no run, none that has come to a checkpoint, a damaged one, or one with an
+    /// # Errors [`HarnessError`] if there is no run, or the run has no checkpoint yet, is damaged, or has an
     /// environment or curriculum that `registry` lacks.
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;
         let saved = checkpoint::read(folder, &manifest.hash).map_err(unreadable)?;
-        let saved = saved.ok_or_else(|| HarnessError::Damaged {
+        let saved = saved.ok_or_else(|| HarnessError::Missing {
             path: folder.join(CHECKPOINT),
             reason: "is missing: the run has not come to its first checkpoint yet, or has lost it".into(),
         })?;
@@ -64,7 +63,7 @@ impl Policy {
     pub fn environment(&self, registry: &Registry) -> Result<Box<dyn GoalEnv>, HarnessError> {
         let entry = registry.environment(&self.run().environment).expect("it was checked when read");
         let options = EnvOptions { native_ccd: self.config.physics.native_ccd };
-        entry.make(&options).map_err(|error: EnvError| self.unusable(&error))
+        entry.make(&options).map_err(self.unusable("make this run's environment"))
     }
 
     /// The student, without its experience, on the calling thread. `spec` is that of [`Policy::environment`].
@@ -73,14 +72,14 @@ impl Policy {
     /// [`HarnessError`] if this machine cannot run it, or its state is not what was saved.
     pub fn student(&self, spec: &Spec) -> Result<Box<dyn Agent>, HarnessError> {
         agents::prepare_thread();
-        let unusable = |error: AgentError| self.unusable(&error);
-        let mut student = agents::make(&self.config.student, spec, self.run().seed).map_err(unusable)?;
-        student.load_policy(self.trainer.student()).map_err(unusable)?;
+        let mut student = agents::make(&self.config.student, spec, self.run().seed)
+            .map_err(self.unusable("make this run's student"))?;
+        student.load_policy(self.trainer.student()).map_err(self.unusable("load this run's student"))?;
         Ok(student)
     }
 
-    fn unusable(&self, error: &dyn std::error::Error) -> HarnessError {
-        HarnessError::Damaged { path: self.folder.clone(), reason: chain(error) }
+    fn unusable<E: Into<Cause>>(&self, action: &'static str) -> impl FnOnce(E) -> HarnessError {
+        HarnessError::unusable(self.folder.display(), action)
     }
 }
 

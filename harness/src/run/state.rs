@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::picks::Ranks;
 use crate::config::streams::Streams;
 
-/// A run between two cycles, the student's replay log apart. Environments need no state: a reset forgets all.
+/// A run between two cycles, without the student's replay log. Environments need no state: a reset forgets
+/// all.
 #[derive(Serialize, Deserialize)]
 pub struct TrainerState {
     pub(super) step: u64,

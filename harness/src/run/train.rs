@@ -135,7 +135,7 @@ impl Trainer {
             ranks: self.ranks,
             // A log that cannot be written is no fault of the run: another attempt may find the disk space.
             student: self.agent.save(replay).map_err(|error| match error {
-                AgentError::Log { .. } => RunError::Recording(std::io::Error::other(error)),
+                AgentError::Log { .. } => RunError::Unsaved(error),
                 error => error.into(),
             })?,
             teacher: self.curriculum.save()?,

@@ -52,7 +52,7 @@ pub struct Sweep {
 pub struct Preparation {
     /// Let failed runs go on from their last checkpoint.
     pub retry_failed: bool,
-    /// Give runs that ended before an event file: no worker will.
+    /// Write event files for finished runs too.
     pub tensorboard: bool,
 }
 
@@ -84,7 +84,7 @@ impl Sweep {
     /// Refuses a device that this machine does not have, before anything is written.
     ///
     /// # Errors
-    /// [`HarnessError::Argument`] saying what is missing.
+    /// [`HarnessError::Device`] saying what is missing.
     pub fn check_device(&self) -> Result<(), HarnessError> {
         local::device::check(self.open())
     }

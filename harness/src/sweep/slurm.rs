@@ -5,7 +5,9 @@
 //! On SIGTERM (preemption, time limit, scancel) workers save a checkpoint; a requeued or resubmitted task
 //! goes on from it.
 
+use std::borrow::Cow;
 use std::fs;
+use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,7 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use super::job::Job;
 use super::local::Conduct;
-use crate::error::HarnessError;
+use crate::error::{Cause, HarnessError};
+use crate::files::write_json;
 use crate::run::folder::{self, State, read_json};
 
 /// What a user says about the job array.
@@ -36,7 +39,7 @@ pub struct Request {
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
     pub tensorboard: bool,
-    /// Further options of `sbatch`, each as one would type it.
+    /// Further options of `sbatch`, a word each.
     pub extra: Vec<String>,
 }
 
@@ -90,7 +93,7 @@ pub(super) fn submit(
     let tasks =
         Tasks { results, retries: request.retries, tensorboard: request.tensorboard, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
-    folder::write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
+    write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let script = folder.join("task.sh");
     let text = script_text(&program, &list)?;
@@ -120,10 +123,7 @@ fn check_queue(results: &Path) -> Result<(), HarnessError> {
         let waiting =
             queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.trim_ascii().is_empty());
         if waiting {
-            return Err(refused(format!(
-                "job {} of an earlier submission is still in the queue with these runs; wait for it or scancel it",
-                id.trim()
-            )));
+            return Err(HarnessError::Queued { job: id.trim().to_owned() });
         }
     }
     Ok(())
@@ -146,14 +146,17 @@ fn new_submission(results: &Path) -> Result<PathBuf, HarnessError> {
     unreachable!("there is always a next number")
 }
 
-/// The script replaces itself by the task, so that Slurm's signals reach it.
+/// The script of every task: it replaces itself by the task, so that Slurm's signals reach it.
 fn script_text(program: &Path, list: &Path) -> Result<String, HarnessError> {
-    let quoted = |path: &Path| {
-        let text =
-            path.to_str().ok_or_else(|| refused(format!("the path {} is not UTF-8", path.display())))?;
-        shlex::try_quote(text).map(String::from).map_err(|error| refused(error.to_string()))
-    };
-    Ok(format!("#!/bin/bash\nexec {} task -- {} \"$SLURM_ARRAY_TASK_ID\"\n", quoted(program)?, quoted(list)?))
+    let line = |program, list| format!("exec {program} task -- {list} \"$SLURM_ARRAY_TASK_ID\"");
+    Ok(format!("#!/bin/bash\n{}\n", line(quoted(program)?, quoted(list)?)))
+}
+
+/// `path` as a word of a shell.
+fn quoted(path: &Path) -> Result<Cow<'_, str>, HarnessError> {
+    let unfit = |source: Cause| HarnessError::Script { path: path.to_owned(), source };
+    let text = str::from_utf8(path.as_os_str().as_bytes()).map_err(|error| unfit(error.into()))?;
+    shlex::try_quote(text).map_err(|error| unfit(error.into()))
 }
 
 fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Result<String, HarnessError> {
@@ -178,22 +181,14 @@ fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Resu
             command.arg(format!("--{option}={value}"));
         }
     }
-    for line in &request.extra {
-        let words = shlex::split(line)
-            .ok_or_else(|| refused(format!("--sbatch `{line}`: its quotes do not match")))?;
-        command.args(words);
-    }
+    command.args(&request.extra);
     let output = command.arg(script).output().map_err(HarnessError::io("sbatch", "start it"))?;
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
     if !output.status.success() {
-        return Err(refused(said(&output.stderr)));
+        return Err(HarnessError::Slurm { reason: said(&output.stderr) });
     }
     // `--parsable` prints `id` or `id;cluster`.
     Ok(said(&output.stdout).split(';').next().unwrap_or_default().to_owned())
-}
-
-fn refused(reason: String) -> HarnessError {
-    HarnessError::Slurm { reason }
 }
 
 /// The share of one task of a job array.
@@ -209,12 +204,12 @@ pub(super) struct Share {
 /// # Errors
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
 pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
-    let damaged = |reason: String| HarnessError::Damaged { path: list.to_owned(), reason };
+    let missing = |reason: String| HarnessError::Missing { path: list.to_owned(), reason };
     let Tasks { results, retries, tensorboard, tasks } =
-        read_json(list)?.ok_or_else(|| damaged("there is no such file".into()))?;
+        read_json(list)?.ok_or_else(|| missing("there is no such file".into()))?;
     let count = tasks.len();
     let folders =
-        tasks.get(index).ok_or_else(|| damaged(format!("there is no task {index}, only {count}")))?;
+        tasks.get(index).ok_or_else(|| missing(format!("there is no task {index}, only {count}")))?;
     let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
     let conduct = Conduct { parallel: 1, retries, tensorboard };
     Ok(Share { results, jobs, conduct })

@@ -6,9 +6,9 @@ mod marked;
 mod watched;
 
 use curricula::{CURRICULA, Entry};
-use envs::{Defaults, Environment, Spec};
+use envs::{Environment, Spec};
 use goalbench::Registry;
-use goalbench::config::{self, layer::Layer};
+use goalbench::config::{self, layer::ConfigLayer};
 use goalbench::run::observer::Observer;
 use goalbench::run::train::Trainer;
 use marked::{MARK, SEED};
@@ -32,27 +32,19 @@ impl Observer for Notes {
 /// Ten cycles of a small student on the marked task with the teacher of `entry`, under watch.
 fn run(entry: &'static Entry, own: &[&str], evaluation: [&str; 2]) -> Notes {
     agents::prepare_thread();
-    let spec = Spec {
-        id: "Marked",
-        family: "toy",
-        state: 2,
-        goal: 2,
-        action: 2,
-        horizon: 20,
-        defaults: Defaults::TOY,
-    };
+    let spec = Spec { id: "Marked", ..envs::find("Point").expect("the toy task").spec.clone() };
     let method = watched::watched(entry);
     let registry = Registry::builtin()
         .with_environment(Environment::new(spec.clone(), "A marked point", "A test", marked::make))
         .with_curriculum(method);
     let student = ["student.batch=16", "student.width=16", "student.updates_per_cycle=4"];
     let sizes = ["budget.steps=400", "pool.size=20"];
-    let layers: Vec<Layer> = student
+    let layers: Vec<ConfigLayer> = student
         .iter()
         .chain(&sizes)
         .chain(own)
         .chain(&evaluation)
-        .map(|set| Layer::from_set(set).expect("an assignment"))
+        .map(|set| ConfigLayer::from_assignment("--set", set).expect("an assignment"))
         .collect();
     let config = config::resolve(&registry, &spec, &method, &layers).expect("a valid config");
     let key = RunKey {

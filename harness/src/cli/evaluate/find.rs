@@ -63,7 +63,7 @@ pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, Har
                 "is neither a run's folder, which holds {}, nor a results folder, which holds runs/",
                 layout::MANIFEST
             );
-            return Err(HarnessError::Damaged { path: path.clone(), reason });
+            return Err(HarnessError::Missing { path: path.clone(), reason });
         }
     }
     chosen.subjects.sort_by(|a, b| (&a.results, &a.run).cmp(&(&b.results, &b.run)));

@@ -45,7 +45,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// What a run's policy came to.
+/// What was measured of a run.
 struct Measured {
     folder: PathBuf,
     /// The results folder that the run belongs to.
@@ -106,7 +106,7 @@ fn measure_all(
     Ok(measured)
 }
 
-/// Builds what one run needs, on the thread that plays, and plays.
+/// Builds what one run needs on the thread that plays its episodes, and plays them.
 fn measure(
     registry: &Registry,
     subject: &Subject,
@@ -120,13 +120,8 @@ fn measure(
     let mut student = policy.student(envs[0].spec())?;
     let mut rng = stream(args.seed, Purpose::FinalEvaluation);
     let mut played = |episodes| bar.inc(episodes);
-    let tally =
-        tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played).map_err(|error| {
-            HarnessError::Damaged {
-                path: subject.folder.clone(),
-                reason: format!("broke down: {}", chain(&error)),
-            }
-        })?;
+    let tally = tally(&mut envs, student.as_mut(), None, args.episodes, &mut rng, &mut played)
+        .map_err(HarnessError::unusable(subject.folder.display(), "evaluate this run"))?;
     Ok(Measured {
         folder: subject.folder.clone(),
         results: subject.results.clone(),

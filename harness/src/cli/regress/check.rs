@@ -6,7 +6,7 @@ use reports::gate::compare::{self, compare};
 use reports::gate::output::{self, Check};
 use reports::gate::{Baseline, cells};
 
-use super::options::{RunsArgs, SettingsArgs};
+use super::options::{RunsArgs, SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
@@ -68,7 +68,8 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     if !args.exact {
         // Told before anything is run.
         let tests = compare::samples(&before, &before, settings.window).len();
-        compare::check_seeds(protocol.seeds.len(), baseline.seeds.len(), tests, settings.alpha)?;
+        compare::check_seeds(protocol.seeds.len(), baseline.seeds.len(), tests, settings.alpha)
+            .map_err(name_options)?;
     }
 
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };

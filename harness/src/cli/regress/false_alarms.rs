@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reports::gate::Baseline;
 use reports::gate::false_alarms::{self, Simulation};
 
-use super::options::SettingsArgs;
+use super::options::{SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
 use crate::protocol::plan::Plan;
@@ -42,7 +42,7 @@ pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
     let plan = Plan::new(&regress::protocol(&baseline, &args.baseline, registry)?, registry)?;
     let cells = baseline.cells_of(&regress::expected(&plan), &args.baseline)?;
     let simulation = Simulation { now: args.now, before: args.before, draws: args.draws, seed: args.seed };
-    let alarms = false_alarms::simulate(&cells, simulation, settings)?;
+    let alarms = false_alarms::simulate(&cells, simulation, settings).map_err(name_options)?;
     print(&format!(
         "{} of {} checks of {} seeds against {} others failed: {:.2} % (95 % interval {:.2} % to {:.2} %); alpha {}, smallest \
          effect {}\n",

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::gate::GateError;
 use reports::gate::compare::Settings;
 
 use crate::cli::complain;
@@ -65,15 +66,25 @@ pub(super) struct RunsArgs {
     keep: Option<PathBuf>,
 }
 
+/// Names the options under which the gate could never fail or could not be computed.
+pub(super) fn name_options(error: GateError) -> HarnessError {
+    let option = match error {
+        GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
+        GateError::Draws { .. } => "--now, --before, --draws",
+        error => return error.into(),
+    };
+    HarnessError::flag(option)(error)
+}
+
 /// A results folder in which all runs have ended.
-pub(super) enum Results {
+pub(super) enum EndedRuns {
     /// One that stays.
     Kept(PathBuf),
     /// One that is removed when dropped.
     Temporary(tempfile::TempDir),
 }
 
-impl Results {
+impl EndedRuns {
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Kept(path) => path,
@@ -87,11 +98,11 @@ impl RunsArgs {
     ///
     /// A sweep keeps finished runs, and a results folder does not tell whether the code changed since. So a
     /// check carries its runs out in a new folder, or takes those of a folder that it is told to trust.
-    pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<Results>, HarnessError> {
+    pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<EndedRuns>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {
                 check_ended(&Sweep::survey(plan, folder)?, folder)?;
-                return Ok(Some(Results::Kept(folder.clone())));
+                return Ok(Some(EndedRuns::Kept(folder.clone())));
             }
             (None, Some(folder)) if folder.exists() => {
                 let reason = format!(
@@ -100,8 +111,8 @@ impl RunsArgs {
                 );
                 return Err(HarnessError::Argument { option: "--keep", reason });
             }
-            (None, Some(folder)) => Results::Kept(folder.clone()),
-            (None, None) => Results::Temporary(
+            (None, Some(folder)) => EndedRuns::Kept(folder.clone()),
+            (None, None) => EndedRuns::Temporary(
                 tempfile::tempdir().map_err(HarnessError::io(std::env::temp_dir(), "create a folder in"))?,
             ),
         };
@@ -126,7 +137,7 @@ fn have_ended(endings: &Endings) -> Result<bool, HarnessError> {
     }
     let crash = endings.iter().find_map(|(run, ending)| match ending {
         Ending::Crashed { reason } => {
-            Some(HarnessError::Run { run: run.to_string(), reason: format!("crashed: {reason}") })
+            Some(HarnessError::Run { run: run.clone(), reason: format!("crashed: {reason}") })
         }
         Ending::Ended(_) | Ending::Stopped | Ending::Taken => None,
     });
@@ -145,5 +156,5 @@ fn check_ended(sweep: &Sweep, results: &Path) -> Result<(), HarnessError> {
         sweep.open().count(),
         sweep.jobs().len()
     );
-    Err(HarnessError::Run { run: first.run().to_string(), reason })
+    Err(HarnessError::Run { run: first.run().clone(), reason })
 }

@@ -59,7 +59,9 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let found = cells::read(results.path(), &regress::expected(&plan))?;
     if let Some(failure) = found.failures.first() {
         let reason = format!("{}; a baseline needs runs that come to their end", failure.reason);
-        return Err(HarnessError::Run { run: failure.run.clone(), reason });
+        let mut keys = plan.runs.iter().map(|run| &run.key);
+        let run = keys.find(|key| key.to_string() == failure.run).expect("only runs of the plan are read");
+        return Err(HarnessError::Run { run: run.clone(), reason });
     }
     let tests = samples(&found.cells, &found.cells, settings.window).len();
     if let Err(error) = check_seeds(check.len(), protocol.seeds.len(), tests, settings.alpha) {

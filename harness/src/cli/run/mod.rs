@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag};
 use super::{Exit, complain, print};
 use crate::Registry;
-use crate::config::layer::Layer;
+use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -137,7 +137,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
     }
     if args.executor == Executor::Local {
-        sweep.check_device()?;
+        sweep.check_device().map_err(HarnessError::flag("--device"))?;
     }
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
@@ -166,6 +166,15 @@ fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
     Ok(summarise(&endings, sweep.results(), args.json))
 }
 
+/// The words of the options for sbatch, which are given as one would type them in a shell.
+fn words(options: &[String]) -> Result<Vec<String>, HarnessError> {
+    let split = |option: &String| {
+        let reason = || format!("`{option}`: its quotes do not match");
+        shlex::split(option).ok_or_else(|| HarnessError::Argument { option: "--sbatch", reason: reason() })
+    };
+    Ok(options.iter().map(split).collect::<Result<Vec<_>, _>>()?.concat())
+}
+
 fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
     let request = Request {
         name: format!("goalbench-{}", folder_name(name)),
@@ -176,7 +185,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
         chunk: args.slurm.chunk.map_or(1, usize::from),
         retries: args.retries,
         tensorboard: args.tensorboard,
-        extra: args.slurm.extra.clone(),
+        extra: words(&args.slurm.extra)?,
     };
     let Some(submitted) = sweep.submit(&request)? else {
         print("nothing to submit\n");
@@ -216,13 +225,17 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
     }
     protocol.seeds = args.seeds.or(protocol.seeds)?;
     if let Some(steps) = args.steps {
-        protocol.set_steps(steps);
+        // More steps than TOML's integers can hold are refused like any other number that is too large.
+        let value = i64::try_from(steps).unwrap_or(i64::MAX);
+        let option = format!("--steps {steps}");
+        protocol.set(ConfigLayer::from_option(option, &["budget", "steps"], value.into()));
     }
     if let Some(device) = &args.device {
-        protocol.set_device(device);
+        let option = format!("--device {device}");
+        protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {
-        protocol.set(Layer::from_set(assignment)?);
+        protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
     }
     Ok(protocol)
 }

@@ -1,4 +1,4 @@
-//! What a sweep came to, in words.
+//! How a sweep came out, in words.
 
 use std::path::Path;
 
@@ -7,7 +7,8 @@ use reports::schema::Outcome;
 use crate::cli::{complain, print};
 use crate::sweep::{Ending, Endings, ExitCode};
 
-/// Says what came out and gives the exit code. With `json` the events have told the good end before.
+/// Says how the sweep came out and gives the exit code. With `json` a good end is left out: the events have
+/// told it.
 pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCode {
     for (run, ending) in endings.iter() {
         match ending {

@@ -4,36 +4,70 @@ use super::Protocol;
 use crate::Registry;
 use crate::error::HarnessError;
 
-/// A built-in protocol: its name and its TOML text.
+/// A row of the list of built-in protocols.
 pub struct ProtocolPreset {
-    /// What `--preset` takes.
-    pub name: &'static str,
-    /// The document, as a user would write it.
+    /// Its id, which is also the document's `name`.
+    pub id: &'static str,
+    /// What it runs, in one line: the document's `description`.
+    pub title: &'static str,
+    /// The document, in TOML, as a user would write it.
     pub text: &'static str,
 }
 
 /// All presets, smallest first.
 pub const PRESETS: [ProtocolPreset; 8] = [
-    ProtocolPreset { name: "smoke", text: include_str!("smoke.toml") },
-    ProtocolPreset { name: "quickstart", text: include_str!("quickstart.toml") },
-    ProtocolPreset { name: "reduced", text: include_str!("reduced.toml") },
-    ProtocolPreset { name: "ambiguity", text: include_str!("ambiguity.toml") },
-    ProtocolPreset { name: "ablation-window", text: include_str!("ablation-window.toml") },
-    ProtocolPreset { name: "ablation-interplay", text: include_str!("ablation-interplay.toml") },
-    ProtocolPreset { name: "ablation-polyak", text: include_str!("ablation-polyak.toml") },
-    ProtocolPreset { name: "paper", text: include_str!("paper.toml") },
+    ProtocolPreset {
+        id: "smoke",
+        title: "Toy task and one maze for a few thousand steps: checks the machinery, shows no science",
+        text: include_str!("smoke.toml"),
+    },
+    ProtocolPreset {
+        id: "quickstart",
+        title: "TEACH against HER-IID on a maze and on FetchReach, two seeds each",
+        text: include_str!("quickstart.toml"),
+    },
+    ProtocolPreset {
+        id: "reduced",
+        title: "The paper's comparison and ablations, short: 11 environments, 3 seeds, 10k to 60k steps",
+        text: include_str!("reduced.toml"),
+    },
+    ProtocolPreset {
+        id: "ambiguity",
+        title: "TEACH under the readings of the paper that are open, against HER-IID and its control, short: 4 environments, 5 seeds",
+        text: include_str!("ambiguity.toml"),
+    },
+    ProtocolPreset {
+        id: "ablation-window",
+        title: "TEACH with temporal windows n = 3, 5, 10, 20",
+        text: include_str!("ablation-window.toml"),
+    },
+    ProtocolPreset {
+        id: "ablation-interplay",
+        title: "TEACH with interplay frequencies of 1, 2, 5, 10, 50 episodes",
+        text: include_str!("ablation-interplay.toml"),
+    },
+    ProtocolPreset {
+        id: "ablation-polyak",
+        title: "TEACH with confidence from the online or from the target critic, n = 3",
+        text: include_str!("ablation-polyak.toml"),
+    },
+    ProtocolPreset {
+        id: "paper",
+        title: "The paper's 11 environments, 5 curricula and 7 seeds at its budgets, and the control for the goal pool",
+        text: include_str!("paper.toml"),
+    },
 ];
 
-/// The preset with this name.
+/// The preset with this id.
 ///
 /// # Errors
 /// [`HarnessError::Unknown`] with a suggestion.
-pub fn find(name: &str) -> Result<&'static ProtocolPreset, HarnessError> {
-    let accepted = PRESETS.iter().map(|preset| preset.name);
+pub fn find(id: &str) -> Result<&'static ProtocolPreset, HarnessError> {
+    let accepted = PRESETS.iter().map(|preset| preset.id);
     PRESETS
         .iter()
-        .find(|preset| preset.name == name)
-        .ok_or_else(|| HarnessError::unknown("", "preset", name, accepted))
+        .find(|preset| preset.id == id)
+        .ok_or_else(|| HarnessError::unknown("", "preset", id, accepted))
 }
 
 impl ProtocolPreset {
@@ -42,6 +76,6 @@ impl ProtocolPreset {
     /// # Errors
     /// [`HarnessError`] if the registry lacks a curriculum that the preset names.
     pub fn protocol(&self, registry: &Registry) -> Result<Protocol, HarnessError> {
-        Protocol::parse(&format!("preset {}", self.name), self.text, registry)
+        Protocol::parse(&format!("preset {}", self.id), self.text, registry)
     }
 }

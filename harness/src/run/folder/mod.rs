@@ -2,21 +2,18 @@
 
 mod recorder;
 
-use std::fs::{self, Permissions};
-use std::io::Write;
-use std::os::unix::fs::PermissionsExt;
+use std::fs;
 use std::path::Path;
 
 use reports::schema::{Manifest, Outcome};
 use reports::store::layout::{self, Lives};
 pub use reports::store::read_json;
 use reports::store::{RunFolder, StoreError, checksums};
-use serde::Serialize;
-use tempfile::NamedTempFile;
 
 use super::manifest::{self, differences};
 use crate::config::RunConfig;
-use crate::error::HarnessError;
+use crate::error::{HarnessError, ManifestError};
+use crate::files::write_json;
 pub use recorder::{Extent, Recorder};
 
 /// What a run's folder holds.
@@ -34,8 +31,8 @@ pub enum State {
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
-/// another version of the program; [`HarnessError::Damaged`] or [`HarnessError::Store`] if its files are not
-/// what they were.
+/// another version of the program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
+/// [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
@@ -52,9 +49,10 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
             }),
         };
     };
-    let damaged = |reason| HarnessError::Damaged { path: path.clone(), reason };
+    let damaged = |source| HarnessError::Manifest { path: path.clone(), source };
     if found.run != wanted.run {
-        return Err(damaged(format!("belongs to the run {}, not to {}", found.run, wanted.run)));
+        let (found, wanted) = (Box::new(found.run), Box::new(wanted.run.clone()));
+        return Err(damaged(ManifestError::OtherRun { found, wanted }));
     }
     let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
     if found.config != wanted.config {
@@ -99,7 +97,7 @@ fn anew(error: StoreError) -> HarnessError {
     }
 }
 
-/// Makes a run that failed an unfinished one again: it goes on from its checkpoint, if it has one.
+/// Turns a failed run back into an unfinished one, which goes on from its checkpoint if it has one.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
@@ -112,11 +110,11 @@ pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
 /// The manifest in a run's folder, with its config.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`] or [`HarnessError::Store`] if there is none, or it is not what was written.
+/// [`HarnessError::Manifest`] or [`HarnessError::Store`] if there is none, or it is not what was written.
 pub fn read_manifest(folder: &Path) -> Result<(Manifest, RunConfig), HarnessError> {
     let run = RunFolder::new(folder);
-    let damaged = |reason| HarnessError::Damaged { path: run.file(layout::MANIFEST), reason };
-    let manifest = run.manifest()?.ok_or_else(|| damaged("there is no manifest".into()))?;
+    let damaged = |source| HarnessError::Manifest { path: run.file(layout::MANIFEST), source };
+    let manifest = run.manifest()?.ok_or_else(|| damaged(ManifestError::Missing))?;
     let config = manifest::config(&manifest).map_err(damaged)?;
     Ok((manifest, config))
 }
@@ -129,26 +127,4 @@ pub fn create(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
     write_json(&folder.join(layout::MANIFEST), manifest)
         .map_err(HarnessError::io(folder, "write the manifest"))
-}
-
-/// A temporary file in `folder`, to be renamed into place; as readable as any other new file (the umask
-/// applies), because results folders are shared.
-///
-/// # Errors
-/// If it cannot be created.
-pub fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
-    tempfile::Builder::new().permissions(Permissions::from_mode(0o666)).tempfile_in(folder)
-}
-
-/// Writes `value` as pretty JSON, whole or not at all.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write_json(path: &Path, value: &impl Serialize) -> std::io::Result<()> {
-    let mut file = new_file(path.parent().expect("a file lies in a folder"))?;
-    serde_json::to_writer_pretty(&mut file, value)?;
-    file.write_all(b"\n")?;
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    Ok(())
 }

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use reports::schema::{Outcome, Record, Teaching, Timing};
 use reports::store::checksums::Checksums;
-use reports::store::{RunFolder, layout};
+use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
-use super::write_json;
+use crate::files::write_json;
 use crate::run::observer::Stage;
 use crate::tracking::EventFile;
 
@@ -67,9 +67,7 @@ impl Log {
     fn append(&mut self, value: &impl Serialize) -> std::io::Result<()> {
         let mut line = serde_json::to_vec(value)?;
         line.push(b'\n');
-        self.file.write_all(&line).map_err(|error| {
-            std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display()))
-        })?;
+        self.file.write_all(&line).map_err(StoreError::io(&self.path, "append to this file"))?;
         self.bytes += line.len() as u64;
         self.crc.update(&line);
         Ok(())
@@ -94,17 +92,16 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Goes on after `extent`; its default begins anew. Lines written after it are cut off: the run writes
-    /// them again. With `tensorboard`, or where there is one already, it keeps an event file, too.
+    /// Goes on from `extent`, whose default is the beginning. Later lines are cut off: the run writes them
+    /// again. It keeps an event file if `tensorboard` asks for one or one is there already.
     ///
-    /// # Errors
-    /// If the files cannot be written, or are not those that `extent` was noted of.
+    /// # Errors If the files cannot be written, or are not those that `extent` describes.
     pub fn open(folder: &Path, extent: &Extent, tensorboard: bool) -> std::io::Result<Self> {
         let run = RunFolder::new(folder);
         let records = Log::open(run.file(layout::RECORDS), extent.records)?;
         let teaching = Log::open(run.file(layout::TEACHING), extent.teaching)?;
         let timing = Log::open(run.file(layout::TIMING), extent.timing)?;
-        // After the logs are cut to what the checkpoint knows of.
+        // Only now: it is written from the logs, which have been cut back to the checkpoint.
         let wanted = tensorboard || run.has(layout::EVENTS);
         let events = wanted.then(|| EventFile::rewrite(folder)).transpose()?;
         Ok(Self {

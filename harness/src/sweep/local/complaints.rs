@@ -49,8 +49,8 @@ pub(super) fn keep(folder: &Path, text: &str) -> std::io::Result<()> {
     OpenOptions::new().create(true).append(true).open(path)?.write_all(text.as_bytes())
 }
 
-/// How a worker ended that could not send an event: it was killed, or a library ended the process after a
-/// line of its own.
+/// How a worker ended that could not send an event: it was killed, or a library aborted the process. What the
+/// library printed is then all there is to know, so the first line on standard error is given as the reason.
 pub(super) fn last_words(status: ExitStatus, complaints: &str) -> String {
     if status.signal() == Some(Signal::KILL.as_raw()) {
         return format!("killed from outside, as the system does when memory runs out ({status})");

@@ -14,7 +14,7 @@ use crate::sweep::job::Job;
 /// it, and this one may live for days.
 ///
 /// # Errors
-/// [`HarnessError::Argument`] saying what is missing.
+/// [`HarnessError::Device`] saying what is missing.
 pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Result<(), HarnessError> {
     if jobs.all(|job| job.config.student.device == agents::Device::Cpu) {
         return Ok(());
@@ -33,7 +33,7 @@ pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Re
         Some(reason)
     });
     let ended = || format!("it was tried out and the program ended ({})", output.status);
-    Err(HarnessError::Argument { option: "--device", reason: refusal.unwrap_or_else(ended) })
+    Err(HarnessError::Device { reason: refusal.unwrap_or_else(ended) })
 }
 
 /// What `goalbench try-cuda` does: opens the device, and says as an event why it cannot.

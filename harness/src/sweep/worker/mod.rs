@@ -39,8 +39,8 @@ const LOCK_PAUSE: Duration = Duration::from_millis(50);
 /// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside
 /// the records. A run that breaks down is no failure of the worker: that is its outcome.
 ///
-/// The parent hears of everything as events, errors included. For whoever reads standard error, an error is
-/// also returned, with [`ExitCode::WrongInput`] or, if another attempt may go better, [`ExitCode::Failed`].
+/// The parent gets everything, errors included, as events. An error is returned as well, for standard error:
+/// with [`ExitCode::WrongInput`] or, if another attempt may succeed, [`ExitCode::Failed`].
 ///
 /// # Errors
 /// The exit code and why.
@@ -50,7 +50,7 @@ pub fn work(
     tensorboard: bool,
 ) -> Result<ExitCode, (ExitCode, HarnessError)> {
     tell_panics();
-    // A parent that is gone hears nothing; the exit code is all the same.
+    // If the parent is gone nobody hears it; the exit code stays the same.
     let tell = |event: Event| drop(event.send());
     match carry_out(registry, folder, tensorboard) {
         Ok(code) => Ok(code),
@@ -60,7 +60,7 @@ pub fn work(
         }
         Err(error) => {
             let text = chain(&error);
-            // Whoever shows it says which run.
+            // Whoever shows the reason names the run.
             let run = folder::read_manifest(folder).map(|(manifest, _)| format!("{}: ", manifest.run));
             let reason = run.ok().and_then(|run| text.strip_prefix(&run)).unwrap_or(&text).to_owned();
             if error.is_transient() {
@@ -123,7 +123,7 @@ fn train(
             .map_err(unwritable())?;
     let mut telling = EventObserver::new(stop);
     telling.tell(&Event::Step { step: trainer.step() }).map_err(unwritable())?;
-    // What is told is recorded already.
+    // Recording comes first: the parent is told only of what is recorded.
     let mut observers: Vec<&mut dyn Observer> = vec![&mut recording, &mut telling];
     let outcome = match trainer.run(&mut observers) {
         Ok(End::Finished) => Outcome::Finished { step: trainer.step() },
@@ -131,8 +131,10 @@ fn train(
             telling.tell(&Event::Stopped { step: trainer.step() }).map_err(unwritable())?;
             return Ok(None);
         }
-        Err(RunError::Recording(source)) => return Err(unwritable()(source)),
-        Err(error) if is_libtorch(&error) => return Err(machine(&manifest.run, error)),
+        Err(RunError::Unrecorded(source)) => return Err(unwritable()(source)),
+        Err(error) if is_libtorch(&error) || matches!(error, RunError::Unsaved(_)) => {
+            return Err(machine(&manifest.run, error));
+        }
         Err(error) => Outcome::Failed { step: trainer.step(), reason: chain(&error) },
     };
     recording.end(&outcome).map_err(unwritable())?;
@@ -164,7 +166,7 @@ fn begin(
     Ok((trainer, checkpoint.progress))
 }
 
-/// Removes what a run that has ended needs no more. A failed one keeps its replay log: it may be asked to try
+/// Removes what an ended run no longer needs. A failed one keeps its replay log: it may be asked to try
 /// again.
 fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
     match outcome {
@@ -193,8 +195,8 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     Ok(())
 }
 
-/// Whether libtorch failed, for the student or for a teacher. Shapes were checked before, so the machine is
-/// to blame: memory ran out, or a device went away.
+/// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to
+/// blame: there is no memory, or a device went away.
 fn is_libtorch(error: &RunError) -> bool {
     matches!(
         error,

@@ -83,7 +83,7 @@ impl Checkpointer for RecordObserver {
     }
 }
 
-/// Tells the parent. One that is gone has closed the pipe: then it is time to save and stop.
+/// Tells the parent. Once the parent is gone, which closes the pipe, the run saves and stops.
 pub(super) struct EventObserver {
     last_step: Instant,
     stop: Arc<AtomicBool>,
