@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use crate::store::StoreError;
 use crate::store::problem::StoreProblem;
 
 /// Errors of this crate. What failed below is an error's source, not part of its text. What is wrong with
@@ -11,20 +12,9 @@ use crate::store::problem::StoreProblem;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// Nothing lies at the path.
-    #[error("{path}: no such folder; expected the results folder of an experiment")]
-    NotFound {
-        /// The path given.
-        path: PathBuf,
-    },
-    /// The folder is not a results folder.
-    #[error(
-        "{path}: not a results folder; expected `runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json` in it"
-    )]
-    NotResults {
-        /// The path given.
-        path: PathBuf,
-    },
+    /// The results cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// A results folder in which no evaluation can be used.
     #[error("{path}: no evaluation to report: {runs} readable runs, {} problems", problems.len())]
     NoRecords {

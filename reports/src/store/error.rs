@@ -1,4 +1,4 @@
-//! What keeps a single file of a results folder from being read.
+//! What keeps a results folder, or a single file of it, from being read.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,20 @@ use crate::schema::RunKey;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
+    /// Nothing lies at the path.
+    #[error("{path}: no such folder; expected the results folder of an experiment")]
+    NotFound {
+        /// The path given.
+        path: PathBuf,
+    },
+    /// The folder is not a results folder.
+    #[error(
+        "{path}: not a results folder; expected `runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json` in it"
+    )]
+    NotResults {
+        /// The path given.
+        path: PathBuf,
+    },
     /// The system refused.
     #[error("{path}: cannot {action}")]
     Io {
@@ -78,7 +92,9 @@ impl StoreError {
     /// The file or folder that it is about.
     pub fn path(&self) -> &Path {
         match self {
-            Self::Io { path, .. }
+            Self::NotFound { path }
+            | Self::NotResults { path }
+            | Self::Io { path, .. }
             | Self::Json { path, .. }
             | Self::Line { path, .. }
             | Self::Incomplete { path, .. }

@@ -26,7 +26,6 @@ pub use results::Results;
 pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use teaching::teaching;
 
-use crate::error::ReportError;
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
 use crate::store::problem::StoreProblem;
 
@@ -66,19 +65,19 @@ impl Store {
     /// Reads all runs below `results/runs/`, in parallel; the answer does not depend on the order of reading.
     ///
     /// # Errors
-    /// [`ReportError::NotFound`] and [`ReportError::NotResults`] if `results` is no results folder. Anything
+    /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
     /// below that is a [`StoreProblem`].
-    pub fn read(results: &Path) -> Result<Self, ReportError> {
+    pub fn read(results: &Path) -> Result<Self, StoreError> {
         if !results.is_dir() {
-            return Err(ReportError::NotFound { path: results.to_owned() });
+            return Err(StoreError::NotFound { path: results.to_owned() });
         }
         if !layout::runs_dir(results).is_dir() {
-            return Err(ReportError::NotResults { path: results.to_owned() });
+            return Err(StoreError::NotResults { path: results.to_owned() });
         }
         let folder = Results::new(results);
         let (folders, mut problems) = folder.survey();
         if folders.is_empty() && problems.is_empty() {
-            return Err(ReportError::NotResults { path: results.to_owned() });
+            return Err(StoreError::NotResults { path: results.to_owned() });
         }
         let load = |run: &RunFolder| {
             let mut loader = load::Loader::new(&folder, run);

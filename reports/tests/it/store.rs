@@ -4,10 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use super::support::{key, line, options, record, seal, write_run};
-use reports::ReportError;
 use reports::schema::{Crash, Outcome, Record};
 use reports::store::layout::{self, CRASHES, MANIFEST, OUTCOME, RECORDS, TIMING};
-use reports::store::{Results, RunFolder, Store};
+use reports::store::{Results, RunFolder, Store, StoreError};
 use tempfile::TempDir;
 
 /// A results folder with the four evaluations of one run, after `damage` was done to the folder of the run.
@@ -347,14 +346,14 @@ fn a_run_without_records_yet_is_a_run() {
 fn other_folders_are_refused_with_what_was_expected() {
     let empty = TempDir::new().unwrap();
     let missing = empty.path().join("nothing");
-    assert!(matches!(Store::read(&missing), Err(ReportError::NotFound { .. })));
+    assert!(matches!(Store::read(&missing), Err(StoreError::NotFound { .. })));
     let error = Store::read(empty.path()).unwrap_err();
     assert!(
         error.to_string().contains("runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json"),
         "{error}"
     );
     fs::create_dir(layout::runs_dir(empty.path())).unwrap();
-    assert!(matches!(Store::read(empty.path()), Err(ReportError::NotResults { .. })));
+    assert!(matches!(Store::read(empty.path()), Err(StoreError::NotResults { .. })));
 }
 
 #[test]
