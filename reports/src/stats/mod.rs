@@ -21,4 +21,4 @@ pub use power::{detectable_effect, effect_size, power};
 pub use proportion::wilson_interval;
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};
 pub use sign_flip::{MOST_ENUMERATED, SignFlip, lowest_sign_flip_p, sign_flip};
-pub use welch::{Welch, hochberg, holm, welch};
+pub use welch::{Welch, fisher, hochberg, holm, welch};

@@ -104,6 +104,8 @@ fn tests_of_means_agree() {
         assert_close(test.df, number(&case["df"]), 1e-9);
         assert_close(test.p, number(&case["p"]), 1e-9);
     }
+    let together = stats::fisher(&numbers(&expected["fisher"]["p"]));
+    assert_close(together, number(&expected["fisher"]["together"]), 1e-12);
     for (correction, name) in [(stats::holm as fn(&[f64]) -> Vec<f64>, "holm"), (stats::hochberg, "hochberg")]
     {
         let adjusted = correction(&numbers(&expected[name]["p"]));

@@ -78,6 +78,27 @@ fn no_difference_on_average_is_no_invariance() {
 }
 
 #[test]
+fn environments_that_are_each_too_noisy_refute_together() {
+    let results = TempDir::new().unwrap();
+    let off: [f64; 7] = [-0.1, -0.02, 0.0, 0.02, 0.05, 0.08, 0.11];
+    for (environment, gain) in [("RoomA", 0.2_f64), ("RoomB", 0.2), ("ArmPush", -0.2), ("ArmSlide", -0.2)] {
+        write(results.path(), (environment, "nova", "default"), 7, &nova(10, 1, "online"), |_| {
+            vec![0.0, 0.5]
+        });
+        let noisy = |seed: u64| {
+            vec![0.0, ((0.5 + gain + gain.signum() * off[seed as usize]) * 1e3_f64).round() / 1e3]
+        };
+        write(results.path(), (environment, "nova", "n=3"), 7, &nova(3, 1, "online"), noisy);
+    }
+    let store = Store::read(results.path()).unwrap();
+    let strict = ReportOptions { margin: 0.13, ..judging() };
+    let entries = ledger::ledger(&group::groups(&store, &options().catalogue), &strict);
+    let window = find(&entries, "window");
+    assert_eq!(window.verdict, Verdict::Refuted, "{window:#?}");
+    assert!(window.evidence.contains("n = 3: some of "), "{}", window.evidence);
+}
+
+#[test]
 fn one_environment_outside_the_margin_is_enough() {
     let results = TempDir::new().unwrap();
     for (environment, gain) in [("RoomA", 0.0), ("RoomB", 0.01), ("ArmPush", -0.3)] {

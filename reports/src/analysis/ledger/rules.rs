@@ -31,7 +31,7 @@ impl Rule {
             ),
             Self::Equivalent => format!(
                 "confirmed if in every environment every one-sided interval lies within ±{margin}, \
-                 refuted if one environment is outside (corrected)"
+                 refuted if one environment is outside (corrected), or all of them together say that some are"
             ),
             Self::SomeAbove => "confirmed if one interval lies wholly above 0 and the signs of its pairs say the same, \
                                 refuted if every value is below 0 by both"
@@ -52,8 +52,8 @@ impl Rule {
     /// How many tests of each value share its level.
     pub(super) const fn tests(self) -> usize {
         match self {
-            // Of the average, and of the environments.
-            Self::NotAbove => 2,
+            // Of the average, and of the environments; of each environment, and of all together.
+            Self::NotAbove | Self::Equivalent => 2,
             _ => 1,
         }
     }
@@ -186,8 +186,16 @@ fn equivalent(tested: &[Tested], bench: Bench<'_>, each: Bench<'_>) -> Finding {
     let mut farthest: Option<(f64, String, &PlaceEffect)> = None;
     for (value, effect) in tested {
         let found = sides(effect, bench, each);
-        refuted |= !found.outside.is_empty();
-        confirmed &= found.outside.is_empty() && found.open.is_empty() && !found.within.is_empty();
+        let together = each.p_together(effect, margin);
+        let is_refused = together <= each.level();
+        refuted |= is_refused || !found.outside.is_empty();
+        if is_refused && found.outside.is_empty() {
+            let far: Vec<&PlaceEffect> =
+                effect.places.iter().filter(|place| place.difference.abs() > margin).collect();
+            notes.push(format!("{value}: some of {} are outside ±{margin} (p = {together:.4})", named(&far)));
+        }
+        confirmed &=
+            !is_refused && found.outside.is_empty() && found.open.is_empty() && !found.within.is_empty();
         let parts = [
             (format!("outside ±{margin} in"), &found.outside),
             (format!("within ±{margin} in"), &found.within),

@@ -120,6 +120,15 @@ impl Bench<'_> {
         refused.map(|(place, _)| place).collect()
     }
 
+    /// p-value of "no environment's difference is larger than `bound`", from all environments together.
+    pub(super) fn p_together(&self, effect: &Effect, bound: f64) -> f64 {
+        if effect.is_small(self.options) {
+            return 1.0;
+        }
+        let p = |place: &PlaceEffect| self.p_beyond(place, bound, sign(place.difference));
+        stats::fisher(&effect.places.iter().map(p).collect::<Vec<_>>())
+    }
+
     /// Two-sided p-value of "`direction` times the difference is at most `bound`" in one environment: the
     /// larger of the tests of the means and of the signs; 1 where the data lie on its side.
     pub(super) fn p_beyond(&self, place: &PlaceEffect, bound: f64, direction: f64) -> f64 {
