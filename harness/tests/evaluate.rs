@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 
 use agents::Mode;
 use envs::rng::{Purpose, stream};
-use goalbench::run::{checkpoint, folder, manifest};
+use goalbench::run::{checkpoint, folder};
+use reports::store::checksums::manifest_hash;
 use reports::store::layout;
 use serde_json::Value;
 use support::{goalbench, stderr, stdout, toy};
@@ -146,7 +147,7 @@ fn all_runs_of_an_environment_meet_the_same_episodes() {
     let mut saved = checkpoint::read(&source, &manifest.hash).expect("sound").expect("a checkpoint");
     manifest.run.curriculum = "her-iid".into();
     manifest.run.seed = 9;
-    manifest.hash = manifest::hash(&manifest.run, &manifest.config);
+    manifest.hash = manifest_hash(&manifest.run, &manifest.config);
     saved.run.clone_from(&manifest.hash);
     let copy = run(results, "her-iid", 9);
     folder::create(&copy, &manifest).expect("the test folder can be written");
