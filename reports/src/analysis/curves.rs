@@ -96,7 +96,8 @@ impl Curve {
 
 /// The steps that a curve of `runs` has points at: those of the run that most others agree with as far as
 /// they go (of several such runs the one that goes on for longest), then those of the run that goes on for
-/// longest beyond. Runs with other steps would else take turns in the mean, which would then jump to and fro.
+/// longest, from one more interval on. Runs with other steps would else take turns in the mean, which would
+/// then jump to and fro.
 fn common_steps(runs: &[&Run]) -> Vec<u64> {
     let mut distinct: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
     for run in runs {
@@ -107,9 +108,13 @@ fn common_steps(runs: &[&Run]) -> Vec<u64> {
     };
     let rank = |steps: &&Vec<u64>| (agreeing(steps), steps.last().copied(), steps.len());
     let mut common = distinct.keys().max_by_key(rank).cloned().unwrap_or_default();
-    let end = common.last().copied();
+    // A run whose last evaluation came a little later than those of the others adds no point of its own.
+    let beyond = match common[..] {
+        [.., before, last] => last + (last - before),
+        _ => common.last().map_or(0, |last| last + 1),
+    };
     let longest = distinct.keys().max_by_key(|steps| (steps.last().copied(), steps.len()));
-    common.extend(longest.into_iter().flatten().filter(|step| Some(**step) > end));
+    common.extend(longest.into_iter().flatten().filter(|step| **step >= beyond));
     common
 }
 

@@ -23,7 +23,7 @@ pub(super) fn reals(max: f64, most: u64) -> Vec<f64> {
         // Through decimal text, which has no rounding error to show in a label.
         format!("{:.6e}", tick * unit).parse().unwrap_or(tick * unit)
     };
-    steps((max / unit) as u64, most).into_iter().map(scaled).collect()
+    steps((max / unit + 1e-6) as u64, most).into_iter().map(scaled).collect()
 }
 
 /// `0`, `500`, `5k`, `12.5k`, `1M`.
