@@ -271,8 +271,18 @@ fn environments_count_alike_whatever_their_seeds() {
     // Ahead by 0.6 with 7 seeds and behind by 0.2 with 5; a third environment has too few.
     for (environment, nova, wren, seeds) in [("A", 0.8, 0.2, 7), ("B", 0.4, 0.6, 5), ("C", 1.0, 0.0, 4)] {
         for seed in 0..seeds {
-            write_configured(results.path(), &key(environment, "nova", "default", seed), &[0.0, nova], json!({}));
-            write_configured(results.path(), &key(environment, "wren", "default", seed), &[0.0, wren], json!({}));
+            write_configured(
+                results.path(),
+                &key(environment, "nova", "default", seed),
+                &[0.0, nova],
+                json!({}),
+            );
+            write_configured(
+                results.path(),
+                &key(environment, "wren", "default", seed),
+                &[0.0, wren],
+                json!({}),
+            );
         }
     }
     let entries = entries(results.path());
