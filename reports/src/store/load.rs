@@ -75,14 +75,16 @@ impl<'a> Loader<'a> {
         None
     }
 
-    /// Whether nothing of the run was altered: its manifest, and the files of an ended one.
+    /// Whether the files of the run are those that it ended with. A manifest that does not fit its hash is
+    /// named and no more: the records that it stands beside may be sound.
     fn is_as_it_was(&mut self, manifest: &Manifest, outcome: Option<&Outcome>) -> bool {
-        let checked = checksums::check_manifest(self.folder, manifest);
-        let checked = checked.and_then(|()| match outcome {
-            Some(_) => checksums::check_ended(self.folder, manifest),
-            None => Ok(()),
-        });
-        let Err(error) = checked else { return true };
+        if checksums::check_manifest(self.folder, manifest).is_err() {
+            self.fault(layout::MANIFEST, None, Fault::OtherConfig);
+        }
+        if outcome.is_none() {
+            return true;
+        }
+        let Err(error) = checksums::check_ended(self.folder, manifest) else { return true };
         let file = error.path().file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
         let reason = match error {
             StoreError::Altered { reason, .. } => reason.to_owned(),

@@ -44,6 +44,11 @@ pub enum Fault {
         /// What the system said.
         reason: String,
     },
+    /// A manifest whose hash does not fit its config. What the run recorded is checked apart, so it stays.
+    #[error(
+        "its hash does not fit its config: it was altered after it was written, and the run may have had another config"
+    )]
+    OtherConfig,
     /// A file of an ended run that is not what it was.
     #[error("{reason}, run left out")]
     Altered {
