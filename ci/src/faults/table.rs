@@ -23,7 +23,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "her-off",
         title: "HER never relabels",
-        file: "agents/src/replay/draw.rs",
+        file: "agents/src/draw.rs",
         original: "    k / (k + 1.0)\n",
         faulty: "    0.0 * k\n",
         shows: true,

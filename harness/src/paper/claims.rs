@@ -1,17 +1,17 @@
 //! What the paper claims in its sections 5.3 to 5.6, as statements that data can contradict, and what we ask
 //! beside it.
 
-use reports::analysis::catalogue::{Claim, ClaimKind, Measure, Rule, Scope};
+use reports::analysis::catalogue::{Claim, ClaimKind, ClaimScope, Measure, Rule};
 
 use super::FIGURES;
 
 /// A claim about all tasks.
 const fn claim(id: &'static str, source: &'static str, statement: &'static str, kind: ClaimKind) -> Claim {
-    Claim { id, source, statement, scope: Scope::All, kind }
+    Claim { id, source, statement, scope: ClaimScope::All, kind }
 }
 
 /// The same claim about some tasks alone.
-const fn on(scope: Scope, claim: Claim) -> Claim {
+const fn on(scope: ClaimScope, claim: Claim) -> Claim {
     Claim { scope, ..claim }
 }
 
@@ -28,10 +28,10 @@ const fn by(measure: Measure, axis: &'static str, about: &'static [&'static str]
 const SMOOTH: &[&str] = &["target-critic", "target"];
 
 /// "Low-context tasks, such as Maze navigation": mazes and Fetch have goals of 2 and 3 dimensions.
-const LOW: Scope = Scope::GoalsUpTo(3);
+const LOW: ClaimScope = ClaimScope::GoalsUpTo(3);
 
 /// "High-context tasks, such as HandManipulation": these have goals of 7 dimensions, HandReach of 15.
-const HIGH: Scope = Scope::GoalsFrom(7);
+const HIGH: ClaimScope = ClaimScope::GoalsFrom(7);
 
 /// All claims, in the order of the ledger.
 pub(super) static CLAIMS: [Claim; 16] = [
@@ -86,7 +86,7 @@ pub(super) static CLAIMS: [Claim; 16] = [
         values("confidence", SMOOTH, Rule::NotAbove),
     ),
     on(
-        Scope::Only(&["FetchPickAndPlace"]),
+        ClaimScope::Only(&["FetchPickAndPlace"]),
         claim(
             "target-confidence-pick",
             "Section 5.4",
@@ -95,7 +95,7 @@ pub(super) static CLAIMS: [Claim; 16] = [
         ),
     ),
     on(
-        Scope::Only(&["FetchPush"]),
+        ClaimScope::Only(&["FetchPush"]),
         claim(
             "target-confidence-push",
             "Section 5.4",

@@ -78,7 +78,7 @@ pub mod colours {
     pub const VERMILION: Rgb = (213, 94, 0);
     /// Reddish purple.
     pub const PURPLE: Rgb = (204, 121, 167);
-    /// Grey, in the place of their yellow, which fades on white paper; dark enough to stand out from the lines of
-    /// the grid and from bands.
+    /// Grey, in the place of their yellow, which fades on white paper; dark enough to stand out from the
+    /// lines of the grid and from bands.
     pub const GREY: Rgb = (135, 135, 135);
 }

@@ -1,5 +1,5 @@
-//! Which runs may be compared: those that used up their budget and were evaluated at the same steps, and those
-//! that failed.
+//! Which runs may be compared: those that used up their budget and were evaluated at the same steps, and
+//! those that failed.
 //!
 //! A run that has not ended is further behind than its method is, and its area under the curve is one of
 //! another stretch of training. No verdict, test or sum over environments rests on such a run. A run that

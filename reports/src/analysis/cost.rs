@@ -50,7 +50,8 @@ impl Cost {
     }
 }
 
-/// The timing of a run's last evaluation; `None` where that is lost, and an earlier one would tell too little.
+/// The timing of a run's last evaluation; `None` where that is lost, and an earlier one would tell too
+/// little.
 pub fn last_timing(run: &Run) -> Option<&Timing> {
     let last = complete::recorded(run).last()?;
     run.timings.iter().find(|timing| timing.eval_index == last.eval_index)

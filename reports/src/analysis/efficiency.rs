@@ -22,13 +22,15 @@ pub struct Efficiency<'a> {
     pub method: &'a GroupKey,
     /// Shares in [0, 1] of the steps that all runs of an environment have taken.
     pub shares: Vec<f64>,
-    /// Interquartile mean of the success rates of all runs at each share: of single evaluations, not smoothed.
+    /// Interquartile mean of the success rates of all runs at each share: of single evaluations, not
+    /// smoothed.
     pub iqm: Vec<f64>,
     /// Pointwise stratified bootstrap intervals; `None` where an environment has one seed.
     pub intervals: Option<Vec<(f64, f64)>>,
 }
 
-/// The curves of the methods of `shared`, in order, over its environments and seeds. `groups` hold their runs.
+/// The curves of the methods of `shared`, in order, over its environments and seeds. `groups` hold their
+/// runs.
 pub fn curves<'a>(groups: &[&Group<'_>], shared: &Shared<'a>, resampling: Resampling) -> Vec<Efficiency<'a>> {
     let shares: Vec<f64> = (0..=INTERVALS).map(|index| f64::from(index) / f64::from(INTERVALS)).collect();
     let resampling = Resampling { resamples: resampling.resamples.min(MOST_RESAMPLES), ..resampling };

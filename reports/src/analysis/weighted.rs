@@ -2,8 +2,8 @@
 
 use crate::stats;
 
-/// [`stats::iqm`] of all runs. `weights` say what a run of each stratum counts: a quarter of the weight is cut
-/// off at each end, parts of runs included. Without them all count the same.
+/// [`stats::iqm`] of all runs. `weights` say what a run of each stratum counts: a quarter of the weight is
+/// cut off at each end, parts of runs included. Without them all count the same.
 pub fn iqm(strata: &[Vec<f64>], weights: Option<&[f64]>) -> Option<f64> {
     let Some(weights) = weights else { return stats::iqm(&strata.concat()) };
     let mut runs: Vec<(f64, f64)> = weighted(strata, weights).collect();

@@ -44,8 +44,8 @@ pub fn power(d: f64, n: u64, alpha: f64) -> Option<f64> {
 const LARGEST_EFFECT: f64 = 1e4;
 
 /// The smallest effect size (Cohen's d) at which [`power`] with `n` seeds on each side is `target`: what a
-/// design can find, whatever it has found. `None` where power is undefined, or stays lower at any effect up to
-/// 10,000. A `target` below `alpha` is reached without an effect.
+/// design can find, whatever it has found. `None` where power is undefined, or stays lower at any effect up
+/// to 10,000. A `target` below `alpha` is reached without an effect.
 ///
 /// ```
 /// use reports::stats::{detectable_effect, power};

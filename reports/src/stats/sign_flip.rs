@@ -21,8 +21,8 @@ pub struct SignFlip {
 }
 
 /// The sign-flip test (Fisher 1935; Good 2005, "Permutation, Parametric and Bootstrap Tests of Hypotheses")
-/// of the mean over strata of the mean difference, where every difference has its sign flipped or not. Its null
-/// is that the two sides of a pair are exchangeable, as they are where both come from one distribution,
+/// of the mean over strata of the mean difference, where every difference has its sign flipped or not. Its
+/// null is that the two sides of a pair are exchangeable, as they are where both come from one distribution,
 /// whatever it is: then p is at most x with a probability of at most x. Sides that have equal means and are
 /// not exchangeable, such as one that rarely collapses, may be refused more often. The test of the
 /// differences' signs alone, -1, 0 and 1, is the companion that a few large differences cannot decide.

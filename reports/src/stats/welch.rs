@@ -57,8 +57,8 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
     adjusted
 }
 
-/// Hochberg's step-up correction (Hochberg 1988): as [`holm`], but begun at the largest p-value, which makes it
-/// sharper. It holds where the tests are independent of each other.
+/// Hochberg's step-up correction (Hochberg 1988): as [`holm`], but begun at the largest p-value, which makes
+/// it sharper. It holds where the tests are independent of each other.
 ///
 /// ```
 /// assert_eq!(reports::stats::hochberg(&[0.03125, 0.03125, 0.03125]), [0.03125; 3]);
@@ -75,16 +75,16 @@ pub fn hochberg(p_values: &[f64]) -> Vec<f64> {
     adjusted
 }
 
-/// Fisher's combination of independent tests (Fisher 1932): the p-value of "every null hypothesis is true". It
-/// refuses where several tests are each a little too weak, and does not say which of them is false. 1 for no
-/// tests; p-values of tests with few outcomes make it err to the safe side.
+/// Fisher's combination of independent tests (Fisher 1932): the p-value of "every null hypothesis is true".
+/// It refuses where several tests are each a little too weak, and does not say which of them is false. 1 for
+/// no tests; p-values of tests with few outcomes make it err to the safe side.
 ///
 /// ```
 /// assert!(reports::stats::fisher(&[0.0625, 0.0625, 0.0625]) < 0.02);
 /// ```
 pub fn fisher(p_values: &[f64]) -> f64 {
-    // -2 times the sum of logarithms is chi-squared with twice as many degrees of freedom, whose upper tail is a
-    // Poisson sum.
+    // -2 times the sum of logarithms is chi-squared with twice as many degrees of freedom, whose upper tail
+    // is a Poisson sum.
     let half: f64 = -p_values.iter().map(|p| p.ln()).sum::<f64>();
     let mut term = (-half).exp();
     let mut sum = 0.0;

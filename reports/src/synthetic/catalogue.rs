@@ -5,7 +5,7 @@ use looks::colours::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use looks::{Dash, Look, Marker};
 
 use crate::analysis::catalogue::{
-    Axis, Catalogue, Claim, ClaimKind, Deviation, Measure, MethodInfo, Paper, ReadingChoice, Rule, Scope,
+    Axis, Catalogue, Claim, ClaimKind, ClaimScope, Deviation, Measure, MethodInfo, Paper, ReadingChoice, Rule,
 };
 
 const FIGURES: &str = "Figures 2 and 6";
@@ -52,7 +52,7 @@ const CLAIMS: [Claim; 6] = [
         id: "consistent",
         source: FIGURES,
         statement: "NOVA reaches a higher final success than {baseline} wherever one looks",
-        scope: Scope::All,
+        scope: ClaimScope::All,
         kind: ClaimKind::Consistent,
     },
     values(
@@ -74,7 +74,7 @@ const CLAIMS: [Claim; 6] = [
 ];
 
 const fn above(id: &'static str, measure: Measure, statement: &'static str) -> Claim {
-    Claim { id, source: FIGURES, statement, scope: Scope::All, kind: ClaimKind::AboveBaselines(measure) }
+    Claim { id, source: FIGURES, statement, scope: ClaimScope::All, kind: ClaimKind::AboveBaselines(measure) }
 }
 
 const fn values(
@@ -83,7 +83,7 @@ const fn values(
     statement: &'static str,
 ) -> Claim {
     let kind = ClaimKind::Values { axis, about, measure: Measure::Final, rule };
-    Claim { id, source, statement, scope: Scope::All, kind }
+    Claim { id, source, statement, scope: ClaimScope::All, kind }
 }
 
 const CHOICES: [ReadingChoice; 4] = [

@@ -287,8 +287,8 @@ fn runs_on_different_grids_give_one_smooth_curve() {
     assert!(curve.interpolated);
     let points: Vec<(u64, usize, f64)> =
         curve.points.iter().map(|point| (point.step, point.n, (point.mean * 1e3).round() / 1e3)).collect();
-    // At 1,000 steps the others are at 1,000 of 1,050 steps of the way to 0.3: (4 * 0.7 + 2 * 0.286) / 6. That they
-    // alone go on for 50 steps more gives no point, which would drop to 0.3.
+    // At 1,000 steps the others are at 1,000 of 1,050 steps of the way to 0.3: (4 * 0.7 + 2 * 0.286) / 6.
+    // That they alone go on for 50 steps more gives no point, which would drop to 0.3.
     assert_eq!(points, [(0, 6, 0.0), (1_000, 6, 0.562), (2_000, 6, 0.567), (3_000, 6, 0.567)]);
     let times: Vec<f64> = curve.points.iter().map(|point| point.hours.unwrap()).collect();
     assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");

@@ -35,8 +35,8 @@ fn curves_end_where_every_run_has_been() {
         (curves[0].iqm[index], curves[0].intervals.as_ref().unwrap()[index])
     };
     assert_eq!(at(0.0), (0.0, (0.0, 0.0)));
-    // A at 1,000 of 2,000 steps: 0.5 and 0.2; B at 500 of 1,000, halfway to 0.6 and 0.8: 0.3 and 0.4. The middle
-    // two of four.
+    // A at 1,000 of 2,000 steps: 0.5 and 0.2; B at 500 of 1,000, halfway to 0.6 and 0.8: 0.3 and 0.4. The
+    // middle two of four.
     assert!((at(0.5).0 - 0.35).abs() < 1e-12);
     // 1.0 and 0.4, not the 0.9 that one run alone goes on to; 0.6 and 0.8.
     let (iqm, (low, high)) = at(1.0);

@@ -57,8 +57,8 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
     folder
 }
 
-/// Takes what lies in the folder of an ended run for what it ended with: its manifest gets the hash that fits,
-/// and it gets checksums.
+/// Takes what lies in the folder of an ended run for what it ended with: its manifest gets the hash that
+/// fits, and it gets checksums.
 pub(crate) fn seal(folder: &Path) {
     let path = folder.join(layout::MANIFEST);
     let mut manifest: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();

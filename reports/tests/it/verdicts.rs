@@ -5,7 +5,7 @@ use std::path::Path;
 use super::ledger::{entries, judging, nova};
 use super::support::{key, options, write_configured};
 use reports::ReportOptions;
-use reports::analysis::catalogue::{Claim, ClaimKind, EnvironmentInfo, Measure, Rule, Scope};
+use reports::analysis::catalogue::{Claim, ClaimKind, ClaimScope, EnvironmentInfo, Measure, Rule};
 use reports::analysis::comparison::{self, TestFamily};
 use reports::analysis::group;
 use reports::analysis::ledger::{self, LedgerEntry, Verdict};
@@ -51,7 +51,7 @@ fn claims(claims: &[Claim]) -> ReportOptions {
 
 const fn values(axis: &'static str, measure: Measure, rule: Rule) -> Claim {
     let kind = ClaimKind::Values { axis, about: &[], measure, rule };
-    Claim { id: "it", source: "here", statement: "it is so", scope: Scope::All, kind }
+    Claim { id: "it", source: "here", statement: "it is so", scope: ClaimScope::All, kind }
 }
 
 /// Two tasks where n = 3 is better than n = 10 by 0.2, and two where it is worse by as much.
@@ -306,7 +306,8 @@ fn a_mean_that_hides_many_losses_is_not_consistent() {
     );
     assert!(hidden.evidence.contains("each by its own test, uncorrected: ahead in "), "{}", hidden.evidence);
     assert_eq!(consistent(7, &|_| 0.2).verdict, Verdict::Confirmed);
-    // With 7 seeds nothing could refute it, four baselines and three winners beside: 4/64 is above 2 · 0.05/4.
+    // With 7 seeds nothing could refute it, four baselines and three winners beside: 4/64 is above 2 ·
+    // 0.05/4.
     let refuted = consistent(10, &|index| if index < 3 { 0.5 } else { -0.3 });
     assert_eq!(refuted.verdict, Verdict::Refuted);
 }
@@ -321,11 +322,11 @@ fn claims_can_be_about_some_tasks_alone() {
     let kind = ClaimKind::AboveBaselines(Measure::Final);
     let claim = |id, scope| Claim { id, source: "here", statement: "it is so", scope, kind };
     let mut options = claims(&[
-        claim("low", Scope::GoalsUpTo(3)),
-        claim("high", Scope::GoalsFrom(7)),
-        claim("one", Scope::Only(&["ClawReach"])),
-        Claim { kind: ClaimKind::AboveControl(Measure::Final), ..claim("control", Scope::All) },
-        Claim { kind: ClaimKind::Untestable("there is none"), ..claim("never", Scope::All) },
+        claim("low", ClaimScope::GoalsUpTo(3)),
+        claim("high", ClaimScope::GoalsFrom(7)),
+        claim("one", ClaimScope::Only(&["ClawReach"])),
+        Claim { kind: ClaimKind::AboveControl(Measure::Final), ..claim("control", ClaimScope::All) },
+        Claim { kind: ClaimKind::Untestable("there is none"), ..claim("never", ClaimScope::All) },
     ]);
     let info = |id: &str, goal| EnvironmentInfo {
         id: id.into(),

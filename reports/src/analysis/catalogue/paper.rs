@@ -77,14 +77,14 @@ pub struct Claim {
     /// What is claimed; `{baseline}` stands for the title of a baseline.
     pub statement: &'static str,
     /// The tasks that it is about.
-    pub scope: Scope,
+    pub scope: ClaimScope,
     /// What it is about.
     pub kind: ClaimKind,
 }
 
 /// The tasks that a claim is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub enum ClaimScope {
     /// All of the paper.
     All,
     /// Those whose goals have at most this dimension ([`EnvironmentInfo::goal`](super::EnvironmentInfo)).

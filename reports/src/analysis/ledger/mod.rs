@@ -22,7 +22,7 @@ pub use effect::{Effect, PlaceEffect};
 pub use verdict::Verdict;
 pub(crate) use versus::{Versus, corrected};
 
-use crate::analysis::catalogue::{Claim, ClaimKind, EnvironmentInfo, Measure, Scope};
+use crate::analysis::catalogue::{Claim, ClaimKind, ClaimScope, EnvironmentInfo, Measure};
 use crate::analysis::complete::Pair;
 use crate::analysis::group::Group;
 use crate::analysis::options::ReportOptions;
@@ -113,7 +113,7 @@ impl Judge<'_> {
     }
 
     /// The groups of the environments that a claim is about.
-    fn in_scope(&self, scope: Scope) -> Vec<Group<'_>> {
+    fn in_scope(&self, scope: ClaimScope) -> Vec<Group<'_>> {
         let environments = &self.options.catalogue.environments;
         let is_in = |environment: &str| {
             let goal = |is: &dyn Fn(usize) -> bool| {
@@ -121,10 +121,10 @@ impl Judge<'_> {
                 environments.iter().find(is_it).is_some_and(|info| is(info.goal))
             };
             match scope {
-                Scope::All => true,
-                Scope::GoalsUpTo(most) => goal(&|dimension| dimension <= most),
-                Scope::GoalsFrom(fewest) => goal(&|dimension| dimension >= fewest),
-                Scope::Only(ids) => ids.contains(&environment),
+                ClaimScope::All => true,
+                ClaimScope::GoalsUpTo(most) => goal(&|dimension| dimension <= most),
+                ClaimScope::GoalsFrom(fewest) => goal(&|dimension| dimension >= fewest),
+                ClaimScope::Only(ids) => ids.contains(&environment),
             }
         };
         self.groups.iter().filter(|group| is_in(&group.key.environment)).cloned().collect()

@@ -17,7 +17,7 @@ mod places;
 
 use serde_json::Value;
 
-use crate::analysis::catalogue::{ClaimKind, Paper, Scope};
+use crate::analysis::catalogue::{ClaimKind, ClaimScope, Paper};
 use crate::analysis::complete::Pair;
 use crate::analysis::group::{self, Group};
 use crate::analysis::ledger::{self, LedgerEntry, Versus};
@@ -110,7 +110,7 @@ impl ReadingFamily {
         let (readings, shared) = shared(groups, paper, &places)?;
         let mut claims = Vec::new();
         for claim in &paper.claims {
-            let (ClaimKind::AboveBaselines(measure), Scope::All) = (claim.kind, claim.scope) else {
+            let (ClaimKind::AboveBaselines(measure), ClaimScope::All) = (claim.kind, claim.scope) else {
                 continue;
             };
             for baseline in paper.baselines.iter().chain(&paper.control) {
@@ -136,8 +136,8 @@ pub struct Readings {
 }
 
 impl Readings {
-    /// Judges every claim about all of the paper's tasks under every reading of every family; `groups` come in
-    /// order, and those of other environments do not count.
+    /// Judges every claim about all of the paper's tasks under every reading of every family; `groups` come
+    /// in order, and those of other environments do not count.
     pub fn of(groups: &[Group<'_>], options: &ReportOptions) -> Self {
         let groups = ledger::of_tasks(groups, options, true);
         let family = |candidates| ReadingFamily::of(&groups, candidates, options);

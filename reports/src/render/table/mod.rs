@@ -56,9 +56,9 @@ pub fn parquet(mut frame: DataFrame) -> Result<Vec<u8>, ReportError> {
 /// Where readers of Arrow look for the types that the data had in memory.
 const ARROW_SCHEMA: &[u8] = b"ARROW:schema";
 
-/// Renames the note of the types that the data had in memory, so that all readers go by the types of the file:
-/// for polars text is a `string_view`, which older readers refuse and pyarrow cannot filter; by the file it
-/// is a `string`. The note comes behind all that could hold the same bytes, and keeps its length.
+/// Renames the note of the types that the data had in memory, so that all readers go by the types of the
+/// file: for polars text is a `string_view`, which older readers refuse and pyarrow cannot filter; by the
+/// file it is a `string`. The note comes behind all that could hold the same bytes, and keeps its length.
 fn hide_arrow_schema(bytes: &mut [u8]) {
     let hidden: &[u8] = b"polarsschema";
     if let Some(at) = bytes.windows(ARROW_SCHEMA.len()).rposition(|part| part == ARROW_SCHEMA) {
