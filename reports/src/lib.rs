@@ -2,7 +2,7 @@
 //!
 //! This crate owns the record schema ([`schema`]) and knows nothing of environments or students, so that
 //! figures can be redrawn without MuJoCo or libtorch. Nor does it know of methods or of a paper: that is
-//! handed in as a [`Catalogue`]. [`write`] turns a results folder into a report:
+//! handed in as a [`Catalogue`]. [`write()`] turns a results folder into a report:
 //!
 //! ```text
 //! runs/ --store--> runs --analysis (with stats)--> numbers --artefacts (with render)--> report/

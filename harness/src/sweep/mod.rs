@@ -10,7 +10,7 @@
 //! 4. [`Endings`] says how every run came out, and which [`ExitCode`] follows.
 //!
 //! A [worker] is a process with one run. It tells its sweep what happens as [events](event::Event), and a
-//! [`Reporter`](reporter::Reporter) shows them.
+//! [`Reporter`] shows them.
 
 pub mod endings;
 pub mod event;

@@ -75,7 +75,7 @@ pub struct Group<'a> {
     /// What they have in common.
     pub key: GroupKey,
     /// Runs with at least one evaluation, by rising seed; empty only where
-    /// [`complete::comparable`](crate::analysis::complete::comparable) cut all of them.
+    /// [`complete::comparable`] cut all of them.
     pub runs: Vec<&'a Run>,
 }
 

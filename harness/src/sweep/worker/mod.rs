@@ -48,7 +48,7 @@ pub fn work(
     registry: &Registry,
     folder: &Path,
     tensorboard: bool,
-) -> Result<ExitCode, (ExitCode, HarnessError)> {
+) -> Result<ExitCode, (ExitCode, Box<HarnessError>)> {
     tell_panics();
     // If the parent is gone nobody hears it; the exit code stays the same.
     let tell = |event: Event| drop(event.send());
@@ -65,10 +65,10 @@ pub fn work(
             let reason = run.ok().and_then(|run| text.strip_prefix(&run)).unwrap_or(&text).to_owned();
             if error.is_transient() {
                 tell(Event::Broken { reason });
-                Err((ExitCode::Failed, error))
+                Err((ExitCode::Failed, error.into()))
             } else {
                 tell(Event::Refused { reason });
-                Err((ExitCode::WrongInput, error))
+                Err((ExitCode::WrongInput, error.into()))
             }
         }
     }

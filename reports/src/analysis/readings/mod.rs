@@ -1,6 +1,6 @@
 //! Does a verdict hang on how the paper is read?
 //!
-//! Where a paper allows several readings, each is a setting ([`ReadingChoice`]). A *reading* is a combination
+//! Where a paper allows several readings, each is a setting ([`ReadingChoice`](crate::analysis::catalogue::ReadingChoice)). A *reading* is a combination
 //! of their values that the paper's method was run with. The method under each reading is set against the
 //! runs of a baseline that agree with it in everything outside the settings of methods, with the measure, the
 //! test and the rule of the ledger's main claims.
@@ -91,7 +91,7 @@ pub struct ReadingFamily {
 }
 
 impl ReadingFamily {
-    /// The name of a reading by its number in [`Claim::judged`].
+    /// The name of a reading by its number in [`JudgedClaim::judged`].
     pub fn reading(&self, number: usize) -> String {
         self.readings.get(number.wrapping_sub(1)).map(Reading::name).unwrap_or_default()
     }
