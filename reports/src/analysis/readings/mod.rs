@@ -1,9 +1,10 @@
 //! Does a verdict hang on how the paper is read?
 //!
-//! Where a paper allows several readings, each is a setting ([`ReadingChoice`](crate::analysis::catalogue::ReadingChoice)). A *reading* is a combination
-//! of their values that the paper's method was run with. The method under each reading is set against the
-//! runs of a baseline that agree with it in everything outside the settings of methods, with the measure, the
-//! test and the rule of the ledger's main claims.
+//! Where a paper allows several readings, each is a setting
+//! ([`ReadingChoice`](crate::analysis::catalogue::ReadingChoice)). A *reading* is a combination of their
+//! values that the paper's method was run with. The method under each reading is set against the runs of a
+//! baseline that agree with it in everything outside the settings of methods, with the measure, the test and
+//! the rule of the ledger's main claims.
 //!
 //! Readings that agree in all other settings are a *family*, and every family of at least two is judged:
 //! those at one value of a field that the paper varies apart from those at another. Other values of such a
