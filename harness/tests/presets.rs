@@ -47,6 +47,33 @@ fn the_open_readings_each_have_baselines_of_the_same_evaluation() {
 }
 
 #[test]
+fn the_laptop_study_has_the_size_that_its_page_says() {
+    let registry = Registry::builtin();
+    let plan = |name: &str| {
+        let preset = PRESETS.iter().find(|preset| preset.id == name).expect(name);
+        Plan::new(&preset.protocol(&registry).expect(name), &registry).expect(name)
+    };
+    let (study, ablations) = (plan("laptop"), plan("laptop-ablations"));
+    assert_eq!((study.runs.len(), ablations.runs.len()), (4 * 6 * 36, 3 * (17 + 2 * 2) * 12));
+    // One student everywhere, so that no difference is the student's.
+    let student = &study.runs[0].config.student;
+    assert!(study.runs.iter().chain(&ablations.runs).all(|run| run.config.student == *student));
+    // The runs that both presets have are the same, and every variant differs from all others.
+    for (index, run) in ablations.runs.iter().enumerate() {
+        let twin = study.runs.iter().find(|other| other.key == run.key);
+        assert_eq!(twin.is_some(), run.key.variant == "default", "{}", run.key);
+        assert!(twin.is_none_or(|twin| twin.config == run.config), "{}", run.key);
+        let same = |other: &&PlannedRun| {
+            let (one, other) = (&run.key, &other.key);
+            (&one.environment, &one.curriculum, one.seed)
+                == (&other.environment, &other.curriculum, other.seed)
+        };
+        let mut earlier = ablations.runs[..index].iter().filter(same);
+        assert!(earlier.all(|other| other.config != run.config), "{}", run.key);
+    }
+}
+
+#[test]
 fn the_ablations_have_the_grids_of_the_specification() {
     let registry = Registry::builtin();
     let values = |name: &str, field: &str| {

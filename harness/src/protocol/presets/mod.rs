@@ -15,7 +15,7 @@ pub struct ProtocolPreset {
 }
 
 /// All presets, smallest first.
-pub const PRESETS: [ProtocolPreset; 8] = [
+pub const PRESETS: [ProtocolPreset; 10] = [
     ProtocolPreset {
         id: "smoke",
         title: "Toy task and one maze for a few thousand steps: checks the machinery, shows no science",
@@ -35,6 +35,16 @@ pub const PRESETS: [ProtocolPreset; 8] = [
         id: "ambiguity",
         title: "TEACH under the readings of the paper that are open, against HER-IID and its control, short: 4 environments, 5 seeds",
         text: include_str!("ambiguity.toml"),
+    },
+    ProtocolPreset {
+        id: "laptop",
+        title: "The laptop study: six curricula with small students on the mazes and FetchReach, 36 seeds",
+        text: include_str!("laptop.toml"),
+    },
+    ProtocolPreset {
+        id: "laptop-ablations",
+        title: "The laptop study's ablations: TEACH's settings and open readings with small students on the mazes, 12 seeds",
+        text: include_str!("laptop-ablations.toml"),
     },
     ProtocolPreset {
         id: "ablation-window",
