@@ -22,7 +22,8 @@ pub fn of_run(config: &RunConfig, spec: &Spec) -> u64 {
 /// The replay buffer, as full as the budget makes it.
 fn replay(config: &RunConfig, spec: &Spec) -> u64 {
     let horizon = spec.horizon as u64;
-    let transitions = (config.student.replay_capacity as u64).min(config.budget.steps.saturating_add(horizon));
+    let transitions =
+        (config.student.replay_capacity as u64).min(config.budget.steps.saturating_add(horizon));
     let transitions = usize::try_from(transitions).unwrap_or(usize::MAX);
     Replay::new(spec, transitions).map_or(0, |replay| replay.capacity_bytes())
 }
@@ -78,7 +79,8 @@ mod tests {
     #[test]
     fn only_what_does_not_fit_is_told() {
         assert_eq!(warning(vec![1_000, 2_000, 3_000], 2, 5_000), None);
-        let text = warning(vec![1_000_000_000, 3_000_000_000, 2_000_000_000], 2, 4_999_999_999).expect("too large");
+        let text =
+            warning(vec![1_000_000_000, 3_000_000_000, 2_000_000_000], 2, 4_999_999_999).expect("too large");
         for part in ["2 side by side", "5.0 GB of memory", "the largest of them 3.0 GB", "5.0 GB to give"] {
             assert!(text.contains(part), "{text}");
         }
@@ -104,6 +106,8 @@ mod tests {
         assert!(plain < 250_000_000, "{plain}");
         assert!(size("budget.steps=1000000000 student.replay_capacity=1000000000") > 1_000_000_000);
         assert!(size("student.width=8192") > plain + 2_000_000_000);
-        assert!(size("budget.steps=10000000 pool.size=1000000 curriculum.teach.window=10000") > 10_000_000_000);
+        assert!(
+            size("budget.steps=10000000 pool.size=1000000 curriculum.teach.window=10000") > 10_000_000_000
+        );
     }
 }

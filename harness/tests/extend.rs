@@ -53,7 +53,10 @@ fn a_finished_run_goes_on_and_becomes_what_the_larger_budget_gives() {
     let output = goalbench(&extend(short.path(), &[]));
     assert!(output.status.success(), "{}", stderr(&output));
     let after = recorded(short.path());
-    assert!(before.iter().zip(&after).all(|(before, after)| after.starts_with(before)), "what was recorded stays");
+    assert!(
+        before.iter().zip(&after).all(|(before, after)| after.starts_with(before)),
+        "what was recorded stays"
+    );
     // The evaluation at 400 lies on a multiple of evaluation.every, as all runs have one.
     assert_eq!(after, recorded(long.path()));
     for run in runs(short.path()) {
@@ -165,7 +168,8 @@ fn what_cannot_go_on_is_refused_and_left_as_it_was() {
     fs::write(run.join(layout::RECORDS), "").expect("it can be written");
     refuse("was cut off or altered after the run ended");
     // Without --out the folder is named after the command, so there is nothing to go on with.
-    let nowhere = goalbench(&["run", "--env", "Point", "--curriculum", "teach", "--steps", "800", "--extend"]);
+    let nowhere =
+        goalbench(&["run", "--env", "Point", "--curriculum", "teach", "--steps", "800", "--extend"]);
     assert_eq!(nowhere.status.code(), Some(2));
     assert!(stderr(&nowhere).contains("--extend: needs --out"), "{}", stderr(&nowhere));
 }

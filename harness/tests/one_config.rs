@@ -37,7 +37,9 @@ fn other_seeds_with_another_config_are_refused_and_leave_nothing() {
     toy(folder.path(), &["--curriculum", "teach"]);
     let output = goalbench(&toy_args(folder.path(), &[&["--seeds", "2,3"][..], &OTHER].concat()));
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    for part in ["seed-0", "student.width: 16 there, 8 now", "student.her_k: 4 there, 0 now", "their seeds alone"] {
+    for part in
+        ["seed-0", "student.width: 16 there, 8 now", "student.her_k: 4 there, 0 now", "their seeds alone"]
+    {
         assert!(stderr(&output).contains(part), "expected {part:?} in {}", stderr(&output));
     }
     assert!(!seed(folder.path(), 2).exists() && !folder.path().join("runs/Point/her-iid").exists());
@@ -67,7 +69,8 @@ fn report_and_evaluate_name_the_odd_ones_and_average_over_the_others() {
     let evaluate = goalbench(&["evaluate", path(folder.path()), "--episodes", "20"]);
     assert_eq!(evaluate.status.code(), Some(1), "{}", stderr(&evaluate));
     for said in [stderr(&report), stderr(&evaluate)] {
-        for part in ["default/seed-2", "default/seed-3", "config differs from", "/student/width", "left out"] {
+        for part in ["default/seed-2", "default/seed-3", "config differs from", "/student/width", "left out"]
+        {
             assert!(said.contains(part), "expected {part:?} in {said}");
         }
         assert!(!said.contains("default/seed-1:"), "{said}");

@@ -65,7 +65,11 @@ fn every_place_to_write_to_is_checked_before_anything_is_trained() {
     refused(here, &record("there"), &["--out: there is a folder"]);
     refused(here, &record("p.toml/x.json"), &["p.toml is no folder"]);
     refused(here, &record("/proc/x.json"), &["/proc: cannot write in this folder"]);
-    refused(here, &[&record("x.json")[..], &["--keep", "p.toml/x"]].concat(), &["--keep", "p.toml is no folder"]);
+    refused(
+        here,
+        &[&record("x.json")[..], &["--keep", "p.toml/x"]].concat(),
+        &["--keep", "p.toml is no folder"],
+    );
     // A folder that is missing is made, at the end.
     let recorded = within(here, &[&record("made/for/it/x.json")[..], &["--seeds", "0..4"]].concat());
     assert!(recorded.status.success(), "{}", stderr(&recorded));
@@ -118,7 +122,8 @@ fn commands_have_folders_named_after_what_they_ask_for() {
 #[test]
 fn a_path_like_an_option_is_a_path() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let output = within(folder.path(), &[TOY, &["--curriculum", "teach", "--seeds", "0", "--out=-x"]].concat());
+    let output =
+        within(folder.path(), &[TOY, &["--curriculum", "teach", "--seeds", "0", "--out=-x"]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(folder.path().join("-x/runs/Point/teach/default/seed-0").join(layout::OUTCOME).exists());
     assert!(stdout(&output).contains("goalbench report ./-x"), "{}", stdout(&output));
@@ -129,9 +134,21 @@ fn what_cannot_begin_is_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     let with = |more: &[&'static str]| [TOY, &["--out", "out"], more].concat();
-    refused(here, &with(&["--set", "student.agent=sac"]), &["student.agent", "unknown agent `sac`", "ddpg-her"]);
-    refused(here, &with(&["--set", "student.width=16384", "--set", "student.layers=8"]), &["student.width", "weights"]);
-    refused(here, &with(&["--set", "student.batch=1000000", "--set", "student.width=1024"]), &["student.batch"]);
+    refused(
+        here,
+        &with(&["--set", "student.agent=sac"]),
+        &["student.agent", "unknown agent `sac`", "ddpg-her"],
+    );
+    refused(
+        here,
+        &with(&["--set", "student.width=16384", "--set", "student.layers=8"]),
+        &["student.width", "weights"],
+    );
+    refused(
+        here,
+        &with(&["--set", "student.batch=1000000", "--set", "student.width=1024"]),
+        &["student.batch"],
+    );
     refused(
         here,
         &with(&["--set", "student.episodes_per_cycle=922337203685477581"]),
@@ -140,7 +157,8 @@ fn what_cannot_begin_is_refused_before_anything_is_written() {
     refused(here, &with(&["--set", "student.episodes_per_cycle=1000000"]), &["evaluation.every"]);
     let updates = ["--set", "curriculum.vds.updates_per_cycle=9223372036854775807"];
     refused(here, &with(&updates), &["curriculum.vds.updates_per_cycle", "1..=1000000"]);
-    let ranges = "0..10000,10000..20000,20000..30000,30000..40000,40000..50000,50000..60000,60000..70000,70000..80000";
+    let ranges =
+        "0..10000,10000..20000,20000..30000,30000..40000,40000..50000,50000..60000,60000..70000,70000..80000";
     refused(here, &with(&["--seeds", ranges]), &["--seeds", "at most 10000 are accepted"]);
     refused(here, &with(&["--env", "Point,MazeA", "--seeds", "0..10000"]), &["more than 20000 runs"]);
     assert!(!here.join("out").exists());
@@ -165,7 +183,8 @@ fn job_arrays_are_refused_where_there_is_no_slurm_and_where_no_script_can_name_t
     assert!(slurm(OsStr::new("out"), &bin).contains("no such program on this machine's PATH"));
     let sbatch = |text: &str| {
         fs::write(bin.join("sbatch"), format!("#!/bin/sh\n{text}\n")).expect("it can be written");
-        fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("its mode can be set");
+        fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755))
+            .expect("its mode can be set");
     };
     sbatch("exit 0");
     assert!(slurm(OsStr::from_bytes(b"out\xff"), &bin).contains("cannot stand in the script"));

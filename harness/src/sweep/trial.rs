@@ -41,7 +41,7 @@ enum Trial {
 
 /// How a trial came out, a JSON line each on its standard output.
 #[derive(Serialize, Deserialize)]
-struct Verdict {
+struct Answer {
     /// Why it cannot be done.
     refusal: Option<String>,
 }
@@ -76,15 +76,15 @@ pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
     let mut stdin = child.stdin.take().expect("stdin is piped");
     // If the process is gone, its end tells.
     let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
-    let verdicts = BufReader::new(child.stdout.take().expect("stdout is piped")).lines();
-    let verdicts = verdicts.map_while(|line| serde_json::from_str::<Verdict>(&line.ok()?).ok());
-    let verdicts: Vec<Verdict> = verdicts.collect();
+    let answers = BufReader::new(child.stdout.take().expect("stdout is piped")).lines();
+    let answers = answers.map_while(|line| serde_json::from_str::<Answer>(&line.ok()?).ok());
+    let answers: Vec<Answer> = answers.collect();
     let status = child.wait().map_err(HarnessError::io(program, "wait for this program"))?;
     let _ = writer.join();
-    if let Some(reason) = verdicts.iter().find_map(|verdict| verdict.refusal.clone()) {
+    if let Some(reason) = answers.iter().find_map(|answer| answer.refusal.clone()) {
         return Err(HarnessError::Trial { reason });
     }
-    match tried.get(verdicts.len()) {
+    match tried.get(answers.len()) {
         // Killed, as the system does when memory runs out: that is the machine's doing as well. A finished run is
         // touched only once it is known that it can go on.
         Some(job) if status.signal().is_none() || job.state != State::New => {
@@ -119,7 +119,7 @@ pub fn try_runs(registry: &Registry) -> Result<ExitCode, HarnessError> {
             Trial::GoOn(folder) => go_on(registry, &PathBuf::from(OsString::from_vec(folder))),
         };
         let refusal = result.err().map(|error| chain(&error));
-        let mut text = serde_json::to_vec(&Verdict { refusal }).expect("a verdict is plain data");
+        let mut text = serde_json::to_vec(&Answer { refusal }).expect("an answer is plain data");
         text.push(b'\n');
         let mut out = std::io::stdout().lock();
         out.write_all(&text).and_then(|()| out.flush()).map_err(broken())?;

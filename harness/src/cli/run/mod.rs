@@ -175,10 +175,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
 
 /// Says before it happens that runs may need more memory than there is.
 fn warn_of_memory(registry: &Registry, sweep: &Prepared, args: &Args) {
-    let size = |job: &Job| Some(memory::of_run(&job.config, &registry.environment(&job.run().environment)?.spec));
+    let size =
+        |job: &Job| Some(memory::of_run(&job.config, &registry.environment(&job.run().environment)?.spec));
     let sizes: Vec<u64> = sweep.open().filter_map(size).collect();
     let parallel = args.jobs.for_runs(sizes.len());
-    if let Some(text) = memory::available().and_then(|available| memory::warning(sizes, parallel, available)) {
+    if let Some(text) = memory::available().and_then(|available| memory::warning(sizes, parallel, available))
+    {
         complain(&format!("goalbench: {text}"));
     }
 }
