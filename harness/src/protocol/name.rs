@@ -44,8 +44,9 @@ fn is_invisible(c: char) -> bool {
 }
 
 /// The name of what the command line alone describes: environments, curricula, and every config field that is
-/// set, by path, as in `MazeA_teach+her-iid_budget.steps=800`. The order in which they were typed does not count. Where
-/// a name would be too long or hold something unfit, it says less and ends with a digest of everything.
+/// set, by path, as in `MazeA_teach+her-iid_budget.steps=800`. The order in which they were typed does not
+/// count. Where a name would be too long or hold something unfit, it says less and ends with a digest of
+/// everything.
 pub(super) fn of_options(environments: &[String], curricula: &[String], set: &Table) -> String {
     let sorted = |ids: &[String]| {
         let mut ids = ids.to_vec();

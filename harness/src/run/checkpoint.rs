@@ -70,8 +70,8 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
     Ok(())
 }
 
-/// Reads the checkpoint of the run of `manifest` in `folder`; `None` if there is none. It may be older than the
-/// run's present budget.
+/// Reads the checkpoint of the run of `manifest` in `folder`; `None` if there is none. It may be older than
+/// the run's present budget.
 ///
 /// # Errors
 /// [`CheckpointError::Damaged`] if it is cut off, altered, of another version or of another config.

@@ -30,11 +30,12 @@ pub(super) fn check(jobs: &[Job]) -> Result<(), HarnessError> {
     Ok(())
 }
 
-/// Forgets the runs of the plan's cells that another command planned with another config and that never began.
+/// Forgets the runs of the plan's cells that another command planned with another config and that never
+/// began.
 ///
 /// # Errors
-/// [`HarnessError::Queued`] if a job array of that command is still in the queue; whatever keeps a folder from
-/// being removed.
+/// [`HarnessError::Queued`] if a job array of that command is still in the queue; whatever keeps a folder
+/// from being removed.
 pub(super) fn forget_unbegun(results: &Path, jobs: &[Job]) -> Result<(), HarnessError> {
     let others: Vec<RunFolder> = others(jobs)?.into_iter().map(|(run, ..)| run).collect();
     let planned = jobs.iter().filter(|job| job.state == State::New).map(|job| RunFolder::new(&job.folder));

@@ -3,8 +3,8 @@
 //! It goes through four steps, for whoever asks (`goalbench run`, the regression gate, a task of a job
 //! array):
 //!
-//! 1. [`Sweep::survey`] compares the plan with what the folder holds, and [`Sweep::try_out`] tries whether its
-//!    runs can begin. Both change nothing.
+//! 1. [`Sweep::survey`] compares the plan with what the folder holds, and [`Sweep::try_out`] tries whether
+//!    its runs can begin. Both change nothing.
 //! 2. [`Sweep::prepare`] takes the folder and readies the runs that are still to be done.
 //! 3. [`Prepared::carry_out`] does them in worker processes on this machine, or [`Prepared::submit`] hands
 //!    them to Slurm, whose tasks then carry out [their share](Prepared::for_task).
@@ -66,8 +66,8 @@ impl Sweep {
     /// budget, and differ in nothing else, are trained on if `extend` says so.
     ///
     /// # Errors
-    /// [`HarnessError`] if any run of the plan's cells was recorded with another config, other seeds included,
-    /// or any run of the plan cannot be read.
+    /// [`HarnessError`] if any run of the plan's cells was recorded with another config, other seeds
+    /// included, or any run of the plan cannot be read.
     pub fn survey(plan: &Plan, results: &Path, extend: bool) -> Result<Self, HarnessError> {
         let jobs = plan.runs.iter().map(|run| {
             let manifest = manifest(run);

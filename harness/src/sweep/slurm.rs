@@ -12,6 +12,7 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use reports::schema::Manifest;
 use serde::{Deserialize, Serialize};
 
 use super::job::Job;
@@ -19,6 +20,7 @@ use super::local::Conduct;
 use crate::error::{Cause, HarnessError};
 use crate::files::write_json;
 use crate::run::folder::{self, State, read_json};
+use crate::run::manifest::versions;
 
 /// What a user says about the job array.
 #[derive(Clone, Debug, Default)]
@@ -259,6 +261,9 @@ pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
 fn job(folder: &Path) -> Result<Job, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder)?;
     let state = folder::inspect(folder, &manifest)?;
+    // Submitted by another version of the program, and not begun: it becomes a run of this one.
+    let is_new = state == State::New;
+    let manifest = if is_new { Manifest { versions: versions(), ..manifest } } else { manifest };
     Ok(Job { manifest, config, folder: folder.to_owned(), state })
 }
 

@@ -1,8 +1,8 @@
 //! Trying out whether runs can begin on this machine, before anything is written for them.
 //!
-//! A process of its own builds each of them (environment, student, teacher) and throws it away. That shows what
-//! keeps a run from beginning, and whatever happens to that process harms nothing. What only the machine lacks
-//! is no reason to refuse a plan: such a run fails alone.
+//! A process of its own builds each of them (environment, student, teacher) and throws it away. That shows
+//! what keeps a run from beginning, and whatever happens to that process harms nothing. What only the machine
+//! lacks is no reason to refuse a plan: such a run fails alone.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -16,6 +16,7 @@ use agents::Device;
 use reports::schema::{Manifest, Outcome};
 use reports::store::RunFolder;
 use reports::store::layout;
+use rustix::process::{Signal, set_parent_process_death_signal};
 use serde::{Deserialize, Serialize};
 
 use super::exit::ExitCode;
@@ -85,8 +86,8 @@ pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
         return Err(HarnessError::Trial { reason });
     }
     match tried.get(answers.len()) {
-        // Killed, as the system does when memory runs out: that is the machine's doing as well. A finished run is
-        // touched only once it is known that it can go on.
+        // Killed, as the system does when memory runs out: that is the machine's doing as well. A finished
+        // run is touched only once it is known that it can go on.
         Some(job) if status.signal().is_none() || job.state != State::New => {
             let reason = format!("{}: it was tried out and the program ended ({status})", job.run());
             Err(HarnessError::Trial { reason })
@@ -110,6 +111,8 @@ fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> b
 /// [`HarnessError::System`] if nobody asks or listens.
 pub fn try_runs(registry: &Registry) -> Result<ExitCode, HarnessError> {
     let broken = || HarnessError::system("talk to the sweep");
+    // Without the sweep that asked nobody needs an answer, and the run's lock must go.
+    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|error| broken()(error.into()))?;
     agents::prepare_thread();
     for line in std::io::stdin().lock().lines() {
         let trial: Trial =
@@ -136,7 +139,8 @@ fn begin(registry: &Registry, manifest: Manifest, on_cpu: bool) -> Result<(), Ha
         config.student.device = Device::Cpu;
     }
     match Trainer::new(registry, run.clone(), config) {
-        // This machine has no memory for it, or lost a device: the run fails alone, and may go better elsewhere.
+        // This machine has no memory for it, or lost a device: the run fails alone, and may go better
+        // elsewhere.
         Err(error) if is_libtorch(&error) => Ok(()),
         result => result.map(drop).map_err(HarnessError::impossible(&run, "begin")),
     }
