@@ -189,6 +189,10 @@ impl StudentConfig {
     }
 
     fn check(&self, spec: &Spec) -> Result<(), AgentError> {
+        let known: Vec<&str> = crate::registry::AGENTS.iter().map(|row| row.id).collect();
+        accept("agent", known.contains(&self.agent.as_str()), || {
+            format!("unknown agent `{}`; accepted: {}", self.agent, known.join(", "))
+        })?;
         at_least("batch", self.batch(), 1)?;
         at_least("width", self.width, 1)?;
         let layers = self.layers(spec);

@@ -62,14 +62,33 @@ pub enum HarnessError {
     },
     /// A run's folder was written with another config.
     #[error(
-        "{folder}: this run was recorded with another config, which must not be mixed with this one:\n{differences}\n\
-         Nothing was changed. Choose another --out, or delete that folder."
+        "{folder}: this run was recorded with another config. The runs of one environment, curriculum and variant \
+         differ in their seeds alone:\n{differences}\nNothing was changed. Choose another --out, or delete that folder."
     )]
     OtherConfig {
         /// The run's folder.
         folder: PathBuf,
         /// The differing fields, one per line.
         differences: String,
+    },
+    /// A run's folder was written with a smaller budget and nobody asked to train it on.
+    #[error(
+        "{folder}: this run was recorded with a budget of {recorded} training steps, not {wanted}. Nothing was changed. \
+         Add --extend to train it on, or choose another --out."
+    )]
+    Shorter {
+        /// The run's folder.
+        folder: PathBuf,
+        /// Its budget.
+        recorded: u64,
+        /// The budget asked for.
+        wanted: u64,
+    },
+    /// A run that was tried out cannot begin on this machine, or not go on.
+    #[error("{reason}")]
+    Trial {
+        /// What the process said that tried it.
+        reason: String,
     },
     /// A protocol that cannot be turned from one notation into another.
     #[error("{place}: cannot be written as {notation}")]

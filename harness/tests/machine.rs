@@ -77,7 +77,7 @@ fn a_read_only_folder_is_named_and_left_alone() {
     let Some(output) = with_mounts(folder.path(), &script) else { return };
     assert!(stdout(&output).contains("code: 2"), "{}", stderr(&output));
     let said = stderr(&output);
-    assert!(said.contains("results: cannot create this folder: Read-only file system"), "{said}");
+    assert!(said.contains("cannot write in this folder: Read-only file system"), "{said}");
 }
 
 #[test]

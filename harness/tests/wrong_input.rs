@@ -174,7 +174,7 @@ fn a_place_that_cannot_be_written_is_named() {
     let file = folder.path().join("file");
     fs::write(&file, "").expect("the test folder can be written");
     let out = file.join("results");
-    refused(&toy_args(&out, &[]), &["file/results", "cannot create this folder"]);
+    refused(&toy_args(&out, &[]), &["--out", "file is no folder"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Flags that several commands take, for `#[command(flatten)]`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::config::seeds;
 use crate::error::HarnessError;
@@ -49,6 +49,16 @@ pub(super) struct ProtocolText {
 }
 
 impl ProtocolFlags {
+    /// Whether a flag names one.
+    pub(super) fn is_given(&self) -> bool {
+        self.protocol.is_some() || self.preset.is_some()
+    }
+
+    /// The file that is read, if one is.
+    pub(super) fn inputs(&self) -> Vec<&Path> {
+        self.protocol.as_deref().into_iter().collect()
+    }
+
     /// The text of the protocol; `None` where no flag names one.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::{Exit, ExitCode, print};
 use crate::error::HarnessError;
 use crate::merge::merge;
+use crate::outputs;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -17,6 +18,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Exit {
+    outputs::folder("--out", outputs::folder_of(&args.out), &[])?;
     let merged = merge(&args.sources, &args.out).map_err(|error| match error {
         HarnessError::Exists { .. } => HarnessError::flag("--out")(error),
         error => error,

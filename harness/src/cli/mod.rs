@@ -40,7 +40,7 @@ use clap::{Parser, Subcommand};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
-use crate::sweep::{ExitCode, local, worker};
+use crate::sweep::{ExitCode, local, trial, worker};
 
 /// Benchmarks automatic curricula for goal-conditioned reinforcement learning.
 #[derive(Parser)]
@@ -88,6 +88,9 @@ enum Command {
         /// Keep a TensorBoard event file
         #[arg(long)]
         tensorboard: bool,
+        /// Remove the replay buffer once the run has finished
+        #[arg(long)]
+        discard_replay: bool,
     },
     /// Carry out task INDEX of a submitted job array (what `run --executor slurm` submits)
     #[command(hide = true)]
@@ -100,6 +103,9 @@ enum Command {
     /// Succeed if students can live on a CUDA device here (what `run` asks before it starts any there)
     #[command(hide = true)]
     TryCuda,
+    /// Try out runs given as JSON lines (what `run` starts before it writes anything)
+    #[command(hide = true)]
+    TryRuns,
 }
 
 /// The whole program with the environments and curricula of `registry`.
@@ -119,8 +125,10 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Protocol(args) => protocol::protocol(&args),
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
-        Command::Worker { folder, tensorboard } => {
-            worker::work(&registry, &folder, tensorboard).or_else(|(code, error)| {
+        Command::TryRuns => trial::try_runs(&registry),
+        Command::Worker { folder, tensorboard, discard_replay } => {
+            let keeping = worker::Keeping { tensorboard, discard_replay };
+            worker::work(&registry, &folder, keeping).or_else(|(code, error)| {
                 complain_of(&error);
                 Ok(code)
             })

@@ -13,6 +13,7 @@ use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::files::new_file;
+use crate::outputs;
 use crate::run::policy::Policy;
 
 #[derive(clap::Args)]
@@ -59,6 +60,12 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
         (None, Some(id)) => random(registry, id, args.seed)?,
         (None, None) => unreachable!("clap asks for one of them"),
     };
+    if let Some(folder) = &args.frames {
+        outputs::folder("--frames", folder, &[])?;
+    }
+    if let Some(path) = &args.out {
+        outputs::file("--out", path, &[])?;
+    }
     let mut renderer = Renderer::new(env.as_ref(), args.size, args.size)?;
     let mut frames: Vec<(Image, u16)> = Vec::new();
     let mut rng = stream(args.seed, Purpose::Environment);
@@ -140,7 +147,8 @@ fn write_frames(folder: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessErr
 
 /// Writes the GIF, whole or not at all.
 fn write_gif(path: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessError> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = outputs::folder_of(path);
+    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
     let unwritable = || HarnessError::io(path, "write this file");
     let file = new_file(folder).map_err(unwritable())?;
     encode_gif(file.as_file(), frames).map_err(|error| unwritable()(std::io::Error::other(error)))?;

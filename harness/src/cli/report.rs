@@ -7,7 +7,7 @@ use reports::analysis::options::{FEWEST_PAIRS, Failures, MARGIN};
 use reports::stats::Resampling;
 
 use super::{Exit, ExitCode, complain, print};
-use crate::{Registry, paper};
+use crate::{Registry, outputs, paper};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -58,6 +58,10 @@ impl Args {
 }
 
 pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
+    let folder = reports::store::layout::report_dir(&args.results);
+    if args.results.is_dir() {
+        outputs::folder("report", &folder, &[])?;
+    }
     let written = reports::write(&args.results, &args.options(registry))?;
     for path in &written.files {
         print(&format!("{}\n", path.display()));

@@ -232,9 +232,12 @@ const MOST: u64 = 1_000_000;
 /// The same for training steps.
 const MOST_STEPS: u64 = 1_000_000_000;
 
+/// The most numbers that one tensor may have: 1 GiB of them in single precision.
+const MOST_NUMBERS: u64 = 1 << 28;
+
 fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let wrong = |path: &str, reason: String| Err(FieldError { path: path.to_owned(), reason });
-    let cycle = config.student.episodes_per_cycle() as u64 * spec.horizon as u64;
+    let episodes = config.student.episodes_per_cycle() as u64;
     let sizes = [
         ("budget.steps", config.budget.steps, MOST_STEPS),
         ("evaluation.episodes", config.evaluation.episodes, MOST),
@@ -248,11 +251,28 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
             return wrong(path, format!("is {value}; must be 1 to {most}"));
         }
     }
-    if let agents::Auto::Value(batch) = config.student.batch
-        && batch as u64 > MOST
-    {
+    let (batch, width) = (config.student.batch() as u64, config.student.width as u64);
+    if batch > MOST {
         return wrong("student.batch", format!("is {batch}; must be 1 to {MOST}"));
     }
+    let between_layers = config.student.layers(spec).saturating_sub(1) as u64;
+    let products = [
+        (
+            "student.width",
+            "weights between the hidden layers of one network",
+            [width * width, between_layers],
+        ),
+        ("student.batch", "numbers for one hidden layer", [batch, width]),
+        ("student.episodes_per_cycle", "training steps in a cycle", [episodes, spec.horizon as u64]),
+    ];
+    for (path, what, [a, b]) in products {
+        // An overflow is more than any number.
+        let product = a.saturating_mul(b);
+        if product > MOST_NUMBERS {
+            return wrong(path, format!("makes {product} {what}; at most {MOST_NUMBERS} are accepted"));
+        }
+    }
+    let cycle = episodes * spec.horizon as u64;
     if config.evaluation.every < cycle {
         let reason = format!(
             "is {}, below the {cycle} steps of one cycle ({} episodes of {} steps); must be at least that",

@@ -15,9 +15,8 @@ pub fn parse(text: &str) -> Result<Vec<u64>, String> {
                 if from >= to {
                     return Err(format!("the range `{part}` is empty; `0..7` means the seeds 0 to 6"));
                 }
-                if to - from > MOST_SEEDS {
-                    return Err(format!("the range `{part}` holds more than {MOST_SEEDS} seeds"));
-                }
+                // Counted before it is built.
+                check_number((to - from).saturating_add(seeds.len() as u64))?;
                 seeds.extend(from..to);
             }
             None => seeds.push(part.parse().map_err(|_| bad())?),
@@ -27,14 +26,22 @@ pub fn parse(text: &str) -> Result<Vec<u64>, String> {
     Ok(seeds)
 }
 
-/// More seeds than this are a slip of the keyboard.
+/// More seeds than this, in all ranges together, are a slip of the keyboard.
 const MOST_SEEDS: u64 = 10_000;
 
-/// Refuses a seed that is named twice.
+fn check_number(seeds: u64) -> Result<(), String> {
+    if seeds > MOST_SEEDS {
+        return Err(format!("{seeds} seeds or more; at most {MOST_SEEDS} are accepted"));
+    }
+    Ok(())
+}
+
+/// Refuses a seed that is named twice, and more seeds than anybody means.
 ///
 /// # Errors
-/// A message naming it.
+/// A message naming it, or the number.
 pub fn unique(seeds: &[u64]) -> Result<(), String> {
+    check_number(seeds.len() as u64)?;
     let mut sorted = seeds.to_vec();
     sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -56,7 +63,7 @@ mod tests {
 
     #[test]
     fn anything_else_says_what_is_accepted() {
-        for bad in ["", "a", "3..1", "1..1", "0..", "-1", "0,0", "0..99999999999"] {
+        for bad in ["", "a", "3..1", "1..1", "0..", "-1", "0,0", "0..99999999999", "0..10000,10000..10001"] {
             let error = parse(bad).expect_err(bad);
             assert!(!error.is_empty(), "{bad}");
         }

@@ -2,6 +2,7 @@
 //!
 //! It is read from TOML, a file or a preset, then changed by the command line, and becomes a [`plan::Plan`].
 
+mod name;
 pub mod plan;
 pub mod presets;
 
@@ -9,7 +10,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::Registry;
-use crate::config::layer::{ConfigLayer, Document, Origin};
+use crate::config::layer::{ConfigLayer, Document, Origin, merge};
 use crate::config::strict::{self, FieldError};
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
@@ -144,7 +145,7 @@ impl Protocol {
             overrides.push(reader.patch(written, "override", index)?);
         }
         let variants = reader.variants(header.variants)?;
-        check_name(&header.name).map_err(|reason| reader.error(&["name"], reason))?;
+        name::check(&header.name).map_err(|reason| reader.error(&["name"], reason))?;
         let base = table.into_iter().filter(|(key, _)| SECTIONS.contains(&key.as_str())).collect();
         let at = |key| reader.prefix(&[key]);
         let protocol = Self {
@@ -174,10 +175,11 @@ impl Protocol {
         Ok(protocol)
     }
 
-    /// A protocol made on the command line alone, without file or preset.
+    /// A protocol made on the command line alone, without file or preset. Its name comes last, with
+    /// [`name_by_options`](Self::name_by_options).
     pub fn from_options() -> Self {
         Self {
-            name: "command line".into(),
+            name: String::new(),
             description: String::new(),
             environments: Vec::new(),
             curricula: Vec::new(),
@@ -187,6 +189,14 @@ impl Protocol {
             variants: Vec::new(),
             options: Vec::new(),
         }
+    }
+
+    /// Names a protocol by what it asks for: environments, curricula and the layers set on top. Seeds are no
+    /// part of the name: other seeds of the same command belong to the same results.
+    pub fn name_by_options(&mut self) {
+        let mut set = Table::new();
+        self.options.iter().for_each(|layer| merge(&mut set, &layer.table));
+        self.name = name::of_options(&self.environments, &self.curricula, &set);
     }
 
     /// Adds a command-line layer on top.
@@ -254,14 +264,6 @@ impl Reader<'_> {
         }
         Ok(variants)
     }
-}
-
-/// A name becomes the folder of the results.
-fn check_name(name: &str) -> Result<(), String> {
-    if name.trim().is_empty() || name.starts_with('.') {
-        return Err(format!("`{name}` cannot be a name; give one that can be a folder's"));
-    }
-    Ok(())
 }
 
 /// Labels become folder names.

@@ -32,6 +32,7 @@ impl Plan {
     /// # Errors
     /// [`HarnessError`] naming the place of the first wrong field.
     pub fn new(protocol: &Protocol, registry: &Registry) -> Result<Self, HarnessError> {
+        check_number(protocol)?;
         check_patches(protocol, registry)?;
         let mut cells = Vec::new();
         for environment in &protocol.environments {
@@ -60,6 +61,28 @@ impl Plan {
             return Err(HarnessError::Protocol { place: protocol.name.clone(), reason });
         }
         Ok(plan)
+    }
+}
+
+/// More runs than this are a slip of the keyboard, and their configs would fill the memory.
+const MOST_RUNS: usize = 20_000;
+
+/// Counts the runs of `protocol` before any of them is made.
+fn check_number(protocol: &Protocol) -> Result<(), HarnessError> {
+    let Protocol { environments, curricula, seeds, .. } = protocol;
+    let pairs = environments.iter().flat_map(|env| curricula.iter().map(move |curriculum| (env, curriculum)));
+    let cells: usize =
+        pairs.map(|(environment, curriculum)| variants(protocol, environment, curriculum).len()).sum();
+    match cells.checked_mul(seeds.len()) {
+        Some(runs) if runs <= MOST_RUNS => Ok(()),
+        _ => {
+            let reason = format!(
+                "{cells} environments × curricula × variants with {} seeds each are more than {MOST_RUNS} runs; split them \
+                 up, into one results folder or several",
+                seeds.len()
+            );
+            Err(HarnessError::Protocol { place: protocol.name.clone(), reason })
+        }
     }
 }
 

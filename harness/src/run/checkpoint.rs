@@ -10,6 +10,8 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use agents::Seal;
+use reports::schema::Manifest;
+use reports::store::checksums::is_hash_of;
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
@@ -68,11 +70,12 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
     Ok(())
 }
 
-/// Reads the checkpoint of the run with manifest hash `run` in `folder`; `None` if there is none.
+/// Reads the checkpoint of the run of `manifest` in `folder`; `None` if there is none. It may be older than
+/// the run's present budget.
 ///
 /// # Errors
 /// [`CheckpointError::Damaged`] if it is cut off, altered, of another version or of another config.
-pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointError> {
+pub fn read(folder: &Path, manifest: &Manifest) -> Result<Option<Checkpoint>, CheckpointError> {
     let path = folder.join(CHECKPOINT);
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
@@ -82,7 +85,7 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
     let checkpoint: Checkpoint = SEAL
         .open(&bytes)
         .map_err(|error| CheckpointError::Damaged { path: path.clone(), reason: error.to_string() })?;
-    if checkpoint.run != run {
+    if !is_hash_of(&checkpoint.run, manifest) {
         return Err(CheckpointError::Damaged {
             path,
             reason: "it belongs to a run with another config".into(),

@@ -10,6 +10,9 @@ use crate::config::RunConfig;
 use crate::error::ManifestError;
 use crate::protocol::plan::PlannedRun;
 
+/// JSON pointer to the budget in a manifest's config.
+const BUDGET: &str = "/budget/steps";
+
 /// The manifest of a planned run.
 pub fn manifest(run: &PlannedRun) -> Manifest {
     let config = serde_json::to_value(&run.config).expect("a config is plain data");
@@ -19,7 +22,24 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
         run: run.key.clone(),
         config,
         versions: versions(),
+        earlier_budgets: Vec::new(),
     }
+}
+
+/// The smaller budget of `found`, in training steps, if it differs from `wanted` in nothing else.
+pub fn smaller_budget(found: &Manifest, wanted: &Manifest) -> Option<u64> {
+    let budget = |manifest: &Manifest| manifest.config.pointer(BUDGET)?.as_u64();
+    let (steps, more) = (budget(found)?, budget(wanted)?);
+    let mut config = wanted.config.clone();
+    *config.pointer_mut(BUDGET)? = steps.into();
+    (steps < more && found.config == config).then_some(steps)
+}
+
+/// The manifest of the run of `found`, whose budget is `steps`, once it is trained on to that of `wanted`. It
+/// remembers the budgets before, and which program began the run.
+pub fn extended(found: Manifest, steps: u64, wanted: &Manifest) -> Manifest {
+    let earlier_budgets = found.earlier_budgets.into_iter().chain([steps]).collect();
+    Manifest { earlier_budgets, versions: found.versions, ..wanted.clone() }
 }
 
 /// Reads the typed config back.

@@ -30,7 +30,7 @@ impl Policy {
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;
-        let saved = checkpoint::read(folder, &manifest.hash).map_err(unreadable)?;
+        let saved = checkpoint::read(folder, &manifest).map_err(unreadable)?;
         let saved = saved.ok_or_else(|| HarnessError::Missing {
             path: folder.join(CHECKPOINT),
             reason: "is missing: the run has not come to its first checkpoint yet, or has lost it".into(),
@@ -41,6 +41,11 @@ impl Policy {
     /// Which run this is.
     pub fn run(&self) -> &RunKey {
         &self.manifest.run
+    }
+
+    /// What the run is.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
     }
 
     /// Training steps behind the policy.

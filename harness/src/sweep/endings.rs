@@ -19,7 +19,7 @@ impl Endings {
     pub(super) fn of_ended(jobs: &[Job]) -> Self {
         let ended = jobs.iter().filter_map(|job| match &job.state {
             State::Ended(outcome) => Some((job.run().clone(), Ending::Ended(outcome.clone()))),
-            State::New | State::Begun => None,
+            State::New | State::Shorter(_) | State::Begun => None,
         });
         Self(ended.collect())
     }

@@ -3,7 +3,8 @@
 //! It goes through four steps, for whoever asks (`goalbench run`, the regression gate, a task of a job
 //! array):
 //!
-//! 1. [`Sweep::survey`] compares the plan with what the folder holds and changes nothing.
+//! 1. [`Sweep::survey`] compares the plan with what the folder holds, and [`Sweep::try_out`] tries whether
+//!    its runs can begin. Both change nothing.
 //! 2. [`Sweep::prepare`] takes the folder and readies the runs that are still to be done.
 //! 3. [`Prepared::carry_out`] does them in worker processes on this machine, or [`Prepared::submit`] hands
 //!    them to Slurm, whose tasks then carry out [their share](Prepared::for_task).
@@ -12,6 +13,7 @@
 //! A [worker] is a process with one run. It tells its sweep what happens as [events](event::Event), and a
 //! [`Reporter`] shows them.
 
+mod cell;
 pub mod endings;
 pub mod event;
 pub mod exit;
@@ -20,6 +22,7 @@ pub mod local;
 pub mod reporter;
 pub mod signals;
 pub mod slurm;
+pub mod trial;
 pub mod worker;
 
 use std::path::{Path, PathBuf};
@@ -45,6 +48,8 @@ use signals::Stopper;
 pub struct Sweep {
     results: PathBuf,
     jobs: Vec<Job>,
+    /// Whether runs with a smaller budget are trained on.
+    extend: bool,
 }
 
 /// How to ready a sweep.
@@ -57,18 +62,34 @@ pub struct Preparation {
 }
 
 impl Sweep {
-    /// Compares the plan with the results folder and changes nothing.
+    /// Compares the plan with the results folder and changes nothing. Runs that were recorded with a smaller
+    /// budget, and differ in nothing else, are trained on if `extend` says so.
     ///
     /// # Errors
-    /// [`HarnessError`] if any run was recorded with another config or cannot be read.
-    pub fn survey(plan: &Plan, results: &Path) -> Result<Self, HarnessError> {
+    /// [`HarnessError`] if any run of the plan's cells was recorded with another config, other seeds
+    /// included, or any run of the plan cannot be read.
+    pub fn survey(plan: &Plan, results: &Path, extend: bool) -> Result<Self, HarnessError> {
         let jobs = plan.runs.iter().map(|run| {
             let manifest = manifest(run);
             let folder = layout::run_dir(results, &run.key);
-            let state = folder::inspect(&folder, &manifest)?;
-            Ok(Job { manifest, config: run.config.clone(), folder, state })
+            Ok(Job { manifest, config: run.config.clone(), folder, state: State::New })
         });
-        Ok(Self { results: results.to_owned(), jobs: jobs.collect::<Result<_, HarnessError>>()? })
+        let jobs = jobs.collect::<Result<_, HarnessError>>()?;
+        let mut sweep = Self { results: results.to_owned(), jobs, extend };
+        sweep.look()?;
+        Ok(sweep)
+    }
+
+    /// Looks what the folder holds of every run.
+    fn look(&mut self) -> Result<(), HarnessError> {
+        for job in &mut self.jobs {
+            job.state = folder::inspect(&job.folder, &job.manifest)?;
+            if let (State::Shorter(recorded), false) = (&job.state, self.extend) {
+                let (folder, recorded, wanted) = (job.folder.clone(), *recorded, job.steps());
+                return Err(HarnessError::Shorter { folder, recorded, wanted });
+            }
+        }
+        cell::check(&self.jobs)
     }
 
     /// All runs, in the order in which they are started.
@@ -89,6 +110,15 @@ impl Sweep {
         local::device::check(self.open())
     }
 
+    /// Tries out, before anything is written, whether the runs that are still to be done can begin, on this
+    /// machine or, where they are carried out `elsewhere`, as far as this machine can tell.
+    ///
+    /// # Errors
+    /// [`HarnessError::Trial`] naming the first that cannot, and why.
+    pub fn try_out(&self, elsewhere: bool) -> Result<(), HarnessError> {
+        trial::check(&self.jobs, elsewhere)
+    }
+
     /// Takes the results folder and readies its runs. Another process may have worked there since the survey:
     /// it looks again.
     ///
@@ -96,9 +126,15 @@ impl Sweep {
     /// [`HarnessError::Locked`] if another process has the folder; whatever keeps it from being read or
     /// written.
     pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
+        let is_new = !self.results.exists();
         let lock = Lock::take(&self.results)?;
+        self.look()?;
+        cell::forget_unbegun(&self.results, &self.jobs)?;
         for job in &mut self.jobs {
-            job.state = folder::inspect(&job.folder, &job.manifest)?;
+            if let State::Shorter(_) = job.state {
+                folder::extend(&job.folder, &job.manifest)?;
+                job.state = folder::inspect(&job.folder, &job.manifest)?;
+            }
             match &job.state {
                 State::Ended(Outcome::Failed { .. }) if preparation.retry_failed => {
                     folder::reopen(&job.folder)?;
@@ -108,16 +144,18 @@ impl Sweep {
                     EventFile::rewrite(&job.folder)
                         .map_err(HarnessError::io(&job.folder, "write an event file in this folder"))?;
                 }
-                State::New | State::Begun | State::Ended(_) => {}
+                State::New | State::Shorter(_) | State::Begun | State::Ended(_) => {}
             }
         }
-        Ok(Prepared { sweep: self, _lock: Some(lock) })
+        Ok(Prepared { sweep: self, is_new, _lock: Some(lock) })
     }
 }
 
 /// A sweep whose runs can be carried out.
 pub struct Prepared {
     sweep: Sweep,
+    /// Whether there was no results folder before.
+    is_new: bool,
     /// A task of a job array has none: its runs' own locks keep others away.
     _lock: Option<Lock>,
 }
@@ -129,7 +167,8 @@ impl Prepared {
     /// [`HarnessError`] if the list or a run's folder is not what was submitted.
     pub fn for_task(list: &Path, index: usize) -> Result<(Self, Conduct), HarnessError> {
         let slurm::Share { results, jobs, conduct } = slurm::share(list, index)?;
-        Ok((Self { sweep: Sweep { results, jobs }, _lock: None }, conduct))
+        let sweep = Sweep { results, jobs, extend: false };
+        Ok((Self { sweep, is_new: false, _lock: None }, conduct))
     }
 
     /// All runs, in the order in which they are started.
@@ -187,7 +226,18 @@ impl Prepared {
     /// # Errors
     /// [`HarnessError`] if folders cannot be written or `sbatch` refuses.
     pub fn submit(&self, request: &slurm::Request) -> Result<Option<slurm::Submitted>, HarnessError> {
-        slurm::submit(self.jobs(), self.results(), request)
+        let submitted = slurm::submit(self.jobs(), self.results(), request);
+        if submitted.is_err() {
+            // Nothing was submitted, so leave no trace. A folder that cannot be removed does no harm.
+            let new = self.jobs().iter().filter(|job| job.state == State::New);
+            new.for_each(|job| drop(folder::forget(&job.folder, self.results())));
+            let _ = std::fs::remove_dir(self.results().join(slurm::FOLDER));
+            if self.is_new {
+                let _ = std::fs::remove_file(self.results().join(layout::LOCK));
+                let _ = std::fs::remove_dir(self.results());
+            }
+        }
+        submitted
     }
 
     /// The endings of those runs that had ended before.

@@ -12,6 +12,7 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use reports::schema::Manifest;
 use serde::{Deserialize, Serialize};
 
 use super::job::Job;
@@ -19,6 +20,7 @@ use super::local::Conduct;
 use crate::error::{Cause, HarnessError};
 use crate::files::write_json;
 use crate::run::folder::{self, State, read_json};
+use crate::run::manifest::versions;
 
 /// What a user says about the job array.
 #[derive(Clone, Debug, Default)]
@@ -39,12 +41,20 @@ pub struct Request {
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
     pub tensorboard: bool,
+    /// Whether each run's replay buffer is removed when it finishes.
+    pub discard_replay: bool,
     /// Further options of `sbatch`, a word each.
     pub extra: Vec<String>,
 }
 
+/// The program that takes job arrays.
+const SBATCH: &str = "sbatch";
+
 /// Seconds before the time limit at which Slurm sends SIGTERM: enough to end a cycle and save.
 const WARNING_S: u32 = 120;
+
+/// The folder of submissions in a results folder.
+pub(super) const FOLDER: &str = "slurm";
 
 /// Name of the file that holds a submission's job id.
 const JOB: &str = "job";
@@ -56,6 +66,8 @@ struct Tasks {
     results: PathBuf,
     retries: u32,
     tensorboard: bool,
+    #[serde(default)]
+    discard_replay: bool,
     tasks: Vec<Vec<PathBuf>>,
 }
 
@@ -66,6 +78,27 @@ pub struct Submitted {
     pub job: String,
     /// Its tasks.
     pub tasks: usize,
+}
+
+/// Refuses what no job array can be made of, before anything is written: a machine without `sbatch`, or a
+/// results folder that no script can name.
+///
+/// # Errors
+/// [`HarnessError::Slurm`] or [`HarnessError::Script`].
+pub fn check(results: &Path) -> Result<(), HarnessError> {
+    let results = std::path::absolute(results).map_err(HarnessError::io(results, "find this folder"))?;
+    script_text(&this_program()?, &results)?;
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    if !std::env::split_paths(&path).any(|folder| folder.join(SBATCH).is_file()) {
+        let reason = "there is no such program on this machine's PATH; is this a node of a Slurm cluster?";
+        return Err(HarnessError::Slurm { reason: reason.to_owned() });
+    }
+    Ok(())
+}
+
+fn this_program() -> Result<PathBuf, HarnessError> {
+    std::env::current_exe()
+        .map_err(HarnessError::system("find this program (goalbench needs /proc to be mounted)"))
 }
 
 /// Submits all `jobs` that have not ended; `None` if there are none.
@@ -90,13 +123,12 @@ pub(super) fn submit(
     let relative = |job: &Job| reports::store::layout::run_dir(Path::new(""), job.run());
     let tasks =
         open.chunks(request.chunk.max(1)).map(|chunk| chunk.iter().map(|job| relative(job)).collect());
-    let tasks =
-        Tasks { results, retries: request.retries, tensorboard: request.tensorboard, tasks: tasks.collect() };
+    let Request { retries, tensorboard, discard_replay, .. } = *request;
+    let tasks = Tasks { results, retries, tensorboard, discard_replay, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
     write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
-    let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let script = folder.join("task.sh");
-    let text = script_text(&program, &list)?;
+    let text = script_text(&this_program()?, &list)?;
     fs::write(&script, text).map_err(HarnessError::io(&script, "write this file"))?;
     let count = tasks.tasks.len();
     let job = match sbatch(&script, &folder, count, request) {
@@ -114,11 +146,11 @@ pub(super) fn submit(
 }
 
 /// Refuses to submit runs a second time while an earlier submission is still in the queue.
-fn check_queue(results: &Path) -> Result<(), HarnessError> {
-    let Ok(entries) = fs::read_dir(results.join("slurm")) else { return Ok(()) };
+pub(super) fn check_queue(results: &Path) -> Result<(), HarnessError> {
+    let Ok(entries) = fs::read_dir(results.join(FOLDER)) else { return Ok(()) };
     for entry in entries.flatten() {
         let Ok(id) = fs::read_to_string(entry.path().join(JOB)) else { continue };
-        let queue = Command::new("squeue").args(["--noheader", "--jobs", id.trim()]).output();
+        let queue = Command::new("squeue").arg("--noheader").arg(format!("--jobs={}", id.trim())).output();
         // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =
             queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.trim_ascii().is_empty());
@@ -131,7 +163,7 @@ fn check_queue(results: &Path) -> Result<(), HarnessError> {
 
 /// The next free `RESULTS/slurm/N`.
 fn new_submission(results: &Path) -> Result<PathBuf, HarnessError> {
-    let parent = results.join("slurm");
+    let parent = results.join(FOLDER);
     fs::create_dir_all(&parent).map_err(HarnessError::io(&parent, "create this folder"))?;
     for number in 1.. {
         let folder = parent.join(number.to_string());
@@ -163,7 +195,7 @@ fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Resu
     // `%` begins a pattern in Slurm's file names.
     let log = format!("{}/%a.log", folder.display().to_string().replace('%', "%%"));
     let limit = request.at_once.map_or(String::new(), |most| format!("%{most}"));
-    let mut command = Command::new("sbatch");
+    let mut command = Command::new(SBATCH);
     command.arg("--parsable").arg(format!("--array=0-{}{limit}", tasks - 1));
     command
         .arg(format!("--job-name={}", request.name))
@@ -182,13 +214,23 @@ fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Resu
         }
     }
     command.args(&request.extra);
-    let output = command.arg(script).output().map_err(HarnessError::io("sbatch", "start it"))?;
+    let output = command.arg(script).output().map_err(HarnessError::io(SBATCH, "start it"))?;
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
     if !output.status.success() {
         return Err(HarnessError::Slurm { reason: said(&output.stderr) });
     }
-    // `--parsable` prints `id` or `id;cluster`.
-    Ok(said(&output.stdout).split(';').next().unwrap_or_default().to_owned())
+    // `--parsable` prints `id` or `id;cluster`, after what a site's own plugins may say.
+    let printed = said(&output.stdout);
+    let last = printed.lines().next_back().unwrap_or_default();
+    let id = last.split(';').next().unwrap_or_default().trim();
+    if id.is_empty() || !id.bytes().all(|byte| byte.is_ascii_digit()) {
+        let reason = format!(
+            "printed `{printed}` where the id of a job was expected, so nothing counts as submitted; `squeue` tells \
+             whether a job is waiting all the same"
+        );
+        return Err(HarnessError::Slurm { reason });
+    }
+    Ok(id.to_owned())
 }
 
 /// The share of one task of a job array.
@@ -205,13 +247,13 @@ pub(super) struct Share {
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
 pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
     let missing = |reason: String| HarnessError::Missing { path: list.to_owned(), reason };
-    let Tasks { results, retries, tensorboard, tasks } =
+    let Tasks { results, retries, tensorboard, discard_replay, tasks } =
         read_json(list)?.ok_or_else(|| missing("there is no such file".into()))?;
     let count = tasks.len();
     let folders =
         tasks.get(index).ok_or_else(|| missing(format!("there is no task {index}, only {count}")))?;
     let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
-    let conduct = Conduct { parallel: 1, retries, tensorboard };
+    let conduct = Conduct { parallel: 1, retries, tensorboard, discard_replay };
     Ok(Share { results, jobs, conduct })
 }
 
@@ -219,6 +261,9 @@ pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
 fn job(folder: &Path) -> Result<Job, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder)?;
     let state = folder::inspect(folder, &manifest)?;
+    // Submitted by another version of the program, and not begun: it becomes a run of this one.
+    let is_new = state == State::New;
+    let manifest = if is_new { Manifest { versions: versions(), ..manifest } } else { manifest };
     Ok(Job { manifest, config, folder: folder.to_owned(), state })
 }
 

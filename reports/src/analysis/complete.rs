@@ -170,6 +170,7 @@ mod tests {
             config: serde_json::Value::Null,
             hash: String::new(),
             versions: BTreeMap::new(),
+            earlier_budgets: Vec::new(),
         };
         Run { manifest, records, timings: Vec::new(), outcome: Some(outcome) }
     }

@@ -124,6 +124,10 @@ pub struct Manifest {
     pub hash: String,
     /// Versions of goalbench and its native libraries.
     pub versions: std::collections::BTreeMap<String, String>,
+    /// Training steps of the budgets that were used up before the run was trained on, in order; absent from
+    /// the file of a run that never was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub earlier_budgets: Vec<u64>,
 }
 
 /// How a run ended: `outcome.json`, written last.

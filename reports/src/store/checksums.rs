@@ -20,6 +20,18 @@ pub fn manifest_hash(run: &RunKey, config: &Value) -> String {
     digest::sha256(text.as_bytes())
 }
 
+/// Whether `hash` is that of `manifest`, or was before the run was trained on with a larger budget.
+pub fn is_hash_of(hash: &str, manifest: &Manifest) -> bool {
+    let before = |&steps: &u64| {
+        let mut config = manifest.config.clone();
+        if let Some(budget) = config.pointer_mut("/budget/steps") {
+            *budget = steps.into();
+        }
+        hash == manifest_hash(&manifest.run, &config)
+    };
+    hash == manifest.hash || manifest.earlier_budgets.iter().any(before)
+}
+
 /// Content of `checksums.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,7 +75,7 @@ pub fn check_ended(folder: &RunFolder, manifest: &Manifest) -> Result<(), StoreE
     let altered = |name: &str, reason| StoreError::Altered { path: folder.file(name), reason };
     let noted: Checksums = read_json(&folder.file(layout::CHECKSUMS))?
         .ok_or_else(|| altered(layout::CHECKSUMS, "is missing, though the run has ended"))?;
-    if noted.run != manifest.hash {
+    if !is_hash_of(&noted.run, manifest) {
         return Err(altered(layout::CHECKSUMS, "belongs to a run with another config"));
     }
     for name in FILES {

@@ -26,8 +26,8 @@ pub struct RunFile {
 pub enum Lives {
     /// As long as the run's folder.
     Always,
-    /// Until the run's budget is used up: what only an unfinished run needs.
-    UntilFinished,
+    /// Until the run's budget is used up and it is known that it will not be trained on.
+    UntilDiscarded,
     /// From the end of the run until it is told to go on.
     UntilReopened,
 }
@@ -70,7 +70,7 @@ pub static FILES: &[RunFile] = &[
     RunFile { name: WORKER_LOG, merged: true, lives: Lives::Always },
     RunFile { name: CHECKPOINT, merged: true, lives: Lives::Always },
     RunFile { name: EVENTS, merged: true, lives: Lives::Always },
-    RunFile { name: REPLAY, merged: true, lives: Lives::UntilFinished },
+    RunFile { name: REPLAY, merged: true, lives: Lives::UntilDiscarded },
     RunFile { name: LOCK, merged: false, lives: Lives::Always },
 ];
 

@@ -192,6 +192,7 @@ impl Experiment {
             hash: checksums::manifest_hash(run, &config),
             config,
             versions: BTreeMap::from([("goalbench".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]),
+            earlier_budgets: Vec::new(),
         };
         let end = self.evaluations.saturating_sub(1) * self.interval;
         let folder = layout::run_dir(results, run);

@@ -119,6 +119,7 @@ pub(crate) fn run(key: RunKey, config: Value, rates: &[f64]) -> Run {
             config,
             hash: "none".into(),
             versions: BTreeMap::new(),
+            earlier_budgets: Vec::new(),
         },
         records,
         timings: Vec::new(),

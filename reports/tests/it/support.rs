@@ -37,7 +37,14 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
     let folder = layout::run_dir(results, run);
     fs::create_dir_all(&folder).unwrap();
     let hash = checksums::manifest_hash(run, &config);
-    let manifest = Manifest { schema: SCHEMA, run: run.clone(), config, hash, versions: BTreeMap::new() };
+    let manifest = Manifest {
+        schema: SCHEMA,
+        run: run.clone(),
+        config,
+        hash,
+        versions: BTreeMap::new(),
+        earlier_budgets: vec![],
+    };
     let records: Vec<Record> = (0..).zip(rates).map(|(index, &rate)| record(run, index, rate)).collect();
     let timing = |record: &Record| Timing {
         eval_index: record.eval_index,

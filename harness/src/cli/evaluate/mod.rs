@@ -11,6 +11,8 @@ use envs::rng::{Purpose, stream};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use reports::schema::RunKey;
+use reports::store::cells::OddOne;
+use serde_json::Value;
 
 use super::flags::JobsFlag;
 use super::{Exit, ExitCode, complain, print};
@@ -27,7 +29,8 @@ environment, --seed and number alone, and no training run's own evaluations meet
 be in progress.
 
 Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be \
-evaluated, or one given by itself broke down.")]
+evaluated, one given by itself broke down, or seeds of one environment, curriculum and variant have different configs: \
+no mean is taken over those.")]
 pub(super) struct Args {
     /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
     #[arg(required = true, value_name = "PATH")]
@@ -51,6 +54,8 @@ struct Measured {
     /// The results folder that the run belongs to.
     results: PathBuf,
     run: RunKey,
+    /// Its complete config.
+    config: Value,
     /// Training steps behind the policy.
     step: u64,
     /// Training steps of the whole run.
@@ -76,13 +81,20 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     } else if !measured.is_empty() {
         print(&output::as_text(&measured));
     }
+    let odd = output::odd_ones(&measured);
+    for OddOne { run, other, pointer } in &odd {
+        complain(&format!(
+            "goalbench: {run}: left out of the mean, because its config differs from that of {other} at `{pointer}`: seeds \
+             of one cell differ in nothing else"
+        ));
+    }
     for error in left_out {
         complain(&format!("goalbench: left out: {}", chain(&error)));
     }
     if measured.is_empty() {
         complain("goalbench: no run was evaluated");
     }
-    Ok(if measured.is_empty() || broken { ExitCode::Failed } else { ExitCode::Success })
+    Ok(if measured.is_empty() || broken || !odd.is_empty() { ExitCode::Failed } else { ExitCode::Success })
 }
 
 /// Evaluates all, some of them at a time; the answers are in the order of `subjects`.
@@ -126,6 +138,7 @@ fn measure(
         folder: subject.folder.clone(),
         results: subject.results.clone(),
         run: policy.run().clone(),
+        config: policy.manifest().config.clone(),
         step: policy.step(),
         steps: policy.steps(),
         tally,

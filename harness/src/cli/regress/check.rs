@@ -12,6 +12,7 @@ use crate::Registry;
 use crate::cli::complain;
 use crate::cli::flags::parse_seeds;
 use crate::error::HarnessError;
+use crate::outputs;
 use crate::paper;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -55,6 +56,10 @@ pub(super) struct Args {
 pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     let baseline = Baseline::read(&args.baseline)?;
     let settings = args.settings.over(baseline.gate.settings)?;
+    if let Some(folder) = &args.out {
+        outputs::folder("--out", folder, &[args.baseline.as_path()])?;
+    }
+    args.runs.check_outputs()?;
     let mut protocol = regress::protocol(&baseline, &args.baseline, registry)?;
     let mut notes = narrow(&mut protocol, registry, args)?;
     protocol.seeds = match &args.seeds {

@@ -8,6 +8,7 @@ use reports::gate::compare::Settings;
 use crate::cli::complain;
 use crate::cli::flags::JobsFlag;
 use crate::error::HarnessError;
+use crate::outputs;
 use crate::protocol::plan::Plan;
 use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, reporter};
 
@@ -94,6 +95,11 @@ impl EndedRuns {
 }
 
 impl RunsArgs {
+    /// Checks that the runs can be kept where they are to be kept.
+    pub(super) fn check_outputs(&self) -> Result<(), HarnessError> {
+        self.keep.as_deref().map_or(Ok(()), |folder| outputs::folder("--keep", folder, &[]))
+    }
+
     /// The runs of `plan`, carried out or found; `None` if a signal stopped them.
     ///
     /// A sweep keeps finished runs, and a results folder does not tell whether the code changed since. So a
@@ -101,7 +107,7 @@ impl RunsArgs {
     pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<EndedRuns>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {
-                check_ended(&Sweep::survey(plan, folder)?, folder)?;
+                check_ended(&Sweep::survey(plan, folder, false)?, folder)?;
                 return Ok(Some(EndedRuns::Kept(folder.clone())));
             }
             (None, Some(folder)) if folder.exists() => {
@@ -116,12 +122,14 @@ impl RunsArgs {
                 tempfile::tempdir().map_err(HarnessError::io(std::env::temp_dir(), "create a folder in"))?,
             ),
         };
-        let sweep = Sweep::survey(plan, results.path())?;
+        let sweep = Sweep::survey(plan, results.path(), false)?;
         sweep.check_device()?;
+        sweep.try_out(false)?;
         let sweep = sweep.prepare(Preparation::default())?;
         let parallel = self.jobs.for_runs(sweep.open().count());
         let reporter = reporter::for_stderr(sweep.jobs(), parallel);
-        let conduct = Conduct { parallel, retries: RETRIES, tensorboard: false };
+        let conduct =
+            Conduct { parallel, retries: RETRIES, tensorboard: false, discard_replay: self.keep.is_none() };
         let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;
         Ok(have_ended(&endings)?.then_some(results))
     }

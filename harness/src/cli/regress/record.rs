@@ -1,7 +1,8 @@
 //! `goalbench regress record`.
 
 use std::fs;
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use reports::gate::baseline::Gate;
 use reports::gate::compare::{Settings, check_seeds, samples};
@@ -13,6 +14,8 @@ use crate::Registry;
 use crate::cli::complain;
 use crate::cli::flags::{ProtocolFlags, ProtocolText, SeedsFlag, parse_seeds};
 use crate::error::{HarnessError, chain};
+use crate::files::new_file;
+use crate::outputs;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::regress;
@@ -47,6 +50,8 @@ pub(super) struct Args {
 
 pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let settings = args.settings.over(Settings::default())?;
+    outputs::file("--out", &args.out, &inputs(args))?;
+    args.runs.check_outputs()?;
     let written = protocol_text(args)?;
     let mut protocol = Protocol::parse(&written.name, &written.text, registry)?;
     protocol.seeds = args.seeds.or(protocol.seeds)?;
@@ -70,13 +75,31 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let count = found.cells.len();
     let provenance = regress::provenance(written.flag, &written.text)?;
     let baseline = Baseline::new(provenance, Gate { seeds: check, settings }, found.cells);
-    fs::write(&args.out, baseline.text()).map_err(HarnessError::io(&args.out, "write this baseline"))?;
+    write(&args.out, &baseline)?;
     print(&format!(
         "{count} cells of {} seeds recorded in {}; next: goalbench regress check --baseline {1}\n",
         baseline.seeds.len(),
         args.out.display()
     ));
     Ok(ExitCode::Success)
+}
+
+/// Writes the baseline, whole or not at all, into a folder that is made if need be.
+fn write(path: &Path, baseline: &Baseline) -> Result<(), HarnessError> {
+    let folder = outputs::folder_of(path);
+    fs::create_dir_all(folder)
+        .and_then(|()| {
+            let mut file = new_file(folder)?;
+            file.write_all(baseline.text().as_bytes())?;
+            file.persist(path)?;
+            Ok(())
+        })
+        .map_err(HarnessError::io(path, "write this baseline"))
+}
+
+/// Files that are read.
+fn inputs(args: &Args) -> Vec<&Path> {
+    args.protocol.inputs().into_iter().chain(args.file.as_deref()).collect()
 }
 
 fn protocol_text(args: &Args) -> Result<ProtocolText, HarnessError> {

@@ -10,10 +10,12 @@ use super::{Exit, complain, print};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
+use crate::memory;
+use crate::outputs;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
-use crate::sweep::slurm::Request;
-use crate::sweep::{Conduct, ExitCode, Preparation, Prepared, Sweep, reporter};
+use crate::sweep::slurm::{self, Request};
+use crate::sweep::{Conduct, ExitCode, Job, Preparation, Prepared, Sweep, reporter};
 use summary::summarise;
 
 #[derive(clap::Args)]
@@ -57,6 +59,14 @@ pub(super) struct Args {
     /// the CPU they fail again at the same step unless the program changed
     #[arg(long)]
     retry_failed: bool,
+    /// Train runs that were recorded with a smaller budget on to this one: they go on from their last
+    /// checkpoint, and what they have recorded stays
+    #[arg(long)]
+    extend: bool,
+    /// Remove the replay buffer of each run when it finishes, which saves 25 to 400 MB a run of the paper's
+    /// length; the run cannot be trained on with --extend then
+    #[arg(long)]
+    discard_replay: bool,
     /// Where runs are carried out
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
@@ -129,24 +139,49 @@ fn check_executor(args: &Args) -> Result<(), HarnessError> {
 
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     check_executor(args)?;
+    let further = words(&args.slurm.extra)?;
     let protocol = protocol(registry, args)?;
     let plan = Plan::new(&protocol, registry)?;
-    let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(folder_name(&plan.name)));
-    let sweep = Sweep::survey(&plan, &results)?;
+    if args.extend && args.out.is_none() && !args.protocol.is_given() {
+        let reason =
+            "needs --out, since without it the results folder is named after the command, budget included";
+        return Err(HarnessError::Argument { option: "--extend", reason: reason.to_owned() });
+    }
+    let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&plan.name));
+    let results = outputs::unlike_an_option(results);
+    outputs::folder("--out", &results, &args.protocol.inputs())?;
+    let sweep = Sweep::survey(&plan, &results, args.extend)?;
     if args.dry_run {
         return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
     }
-    if args.executor == Executor::Local {
-        sweep.check_device().map_err(HarnessError::flag("--device"))?;
+    match args.executor {
+        Executor::Local => sweep.check_device().map_err(HarnessError::flag("--device"))?,
+        Executor::Slurm => slurm::check(&results)?,
     }
+    sweep.try_out(args.executor == Executor::Slurm)?;
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
     for line in sweep.begun_by_other_commits()? {
         complain(&format!("goalbench: {line}"));
     }
     match args.executor {
-        Executor::Local => carry_out(&sweep, args),
-        Executor::Slurm => submit(&sweep, &plan.name, args),
+        Executor::Local => {
+            warn_of_memory(registry, &sweep, args);
+            carry_out(&sweep, args)
+        }
+        Executor::Slurm => submit(&sweep, &plan.name, args, further),
+    }
+}
+
+/// Says before it happens that runs may need more memory than there is.
+fn warn_of_memory(registry: &Registry, sweep: &Prepared, args: &Args) {
+    let size =
+        |job: &Job| Some(memory::of_run(&job.config, &registry.environment(&job.run().environment)?.spec));
+    let sizes: Vec<u64> = sweep.open().filter_map(size).collect();
+    let parallel = args.jobs.for_runs(sizes.len());
+    if let Some(text) = memory::available().and_then(|available| memory::warning(sizes, parallel, available))
+    {
+        complain(&format!("goalbench: {text}"));
     }
 }
 
@@ -157,7 +192,8 @@ fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
     } else {
         reporter::for_stderr(sweep.jobs(), parallel)
     };
-    let conduct = Conduct { parallel, retries: args.retries, tensorboard: args.tensorboard };
+    let Args { retries, tensorboard, discard_replay, .. } = *args;
+    let conduct = Conduct { parallel, retries, tensorboard, discard_replay };
     let endings = sweep.carry_out(conduct, reporter.as_ref(), || {
         complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
     })?;
@@ -175,9 +211,9 @@ fn words(options: &[String]) -> Result<Vec<String>, HarnessError> {
     Ok(options.iter().map(split).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
+fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit {
     let request = Request {
-        name: format!("goalbench-{}", folder_name(name)),
+        name: format!("goalbench-{name}"),
         partition: args.slurm.partition.clone(),
         time: args.slurm.time.clone(),
         memory: args.slurm.mem.clone(),
@@ -185,7 +221,8 @@ fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
         chunk: args.slurm.chunk.map_or(1, usize::from),
         retries: args.retries,
         tensorboard: args.tensorboard,
-        extra: words(&args.slurm.extra)?,
+        discard_replay: args.discard_replay,
+        extra,
     };
     let Some(submitted) = sweep.submit(&request)? else {
         print("nothing to submit\n");
@@ -209,7 +246,9 @@ pub(super) fn task(list: &Path, index: usize) -> Exit {
 }
 
 fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> {
-    let mut protocol = match args.protocol.text()? {
+    let written = args.protocol.text()?;
+    let is_named = written.is_some();
+    let mut protocol = match written {
         Some(written) => Protocol::parse(&written.name, &written.text, registry)?,
         None if args.environments.is_empty() || args.curricula.is_empty() => {
             let reason = "give a protocol file, --preset NAME, or both --env and --curriculum".to_owned();
@@ -237,10 +276,8 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
     for assignment in &args.set {
         protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
     }
+    if !is_named {
+        protocol.name_by_options();
+    }
     Ok(protocol)
-}
-
-/// A protocol's name as a folder name.
-fn folder_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect()
 }

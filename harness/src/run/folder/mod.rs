@@ -10,6 +10,7 @@ use reports::store::layout::{self, Lives};
 pub use reports::store::read_json;
 use reports::store::{RunFolder, StoreError, checksums};
 
+use super::lock::{Lock, is_locked};
 use super::manifest::{self, differences};
 use crate::config::RunConfig;
 use crate::error::{HarnessError, ManifestError};
@@ -19,8 +20,10 @@ pub use recorder::{Extent, Recorder};
 /// What a run's folder holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
-    /// Nothing yet.
+    /// Nothing yet, or a run that never began.
     New,
+    /// A run with this config but for its budget, which is smaller: this many training steps.
+    Shorter(u64),
     /// A run with this config that has not ended.
     Begun,
     /// A run with this config that has ended.
@@ -28,6 +31,8 @@ pub enum State {
 }
 
 /// Looks at `folder` for the run that `wanted` describes; changes nothing.
+///
+/// A run that never began, because its sweep was stopped before, blocks no other config.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
@@ -54,16 +59,51 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
         let (found, wanted) = (Box::new(found.run), Box::new(wanted.run.clone()));
         return Err(damaged(ManifestError::OtherRun { found, wanted }));
     }
-    let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
-    if found.config != wanted.config {
-        return Err(other(differences(&found.config, &wanted.config)));
+    let shorter = manifest::smaller_budget(&found, wanted);
+    let is_other = found.config != wanted.config || manifest::other_program(&found).is_some();
+    if is_other && !has_begun(&run) && !is_locked(folder) {
+        return Ok(State::New);
+    }
+    if found.config != wanted.config && shorter.is_none() {
+        let differences = differences(&found.config, &wanted.config);
+        return Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences });
     }
     manifest::config(&found).map_err(damaged)?;
     let outcome = outcome(folder, &found)?;
-    if outcome.is_none() {
+    if outcome.is_none() || shorter.is_some() {
         check_program(folder, &found)?;
     }
-    Ok(outcome.map_or(State::Begun, State::Ended))
+    Ok(match (shorter, outcome) {
+        (Some(steps), _) => State::Shorter(steps),
+        (None, Some(outcome)) => State::Ended(outcome),
+        (None, None) => State::Begun,
+    })
+}
+
+/// Removes the folder of a run that never began, and the folders above it that are empty then, below
+/// `results`.
+///
+/// # Errors
+/// [`HarnessError::Store`] if its files cannot be removed.
+pub fn forget(folder: &Path, results: &Path) -> Result<(), HarnessError> {
+    let run = RunFolder::new(folder);
+    if has_begun(&run) || is_locked(folder) {
+        return Ok(());
+    }
+    // The manifest goes first: what is left without it is no run.
+    [Lives::Always, Lives::UntilReopened, Lives::UntilDiscarded]
+        .into_iter()
+        .try_for_each(|lives| run.remove(lives))?;
+    let above = folder.ancestors().take_while(|above| *above != results);
+    // Others may lie in one of them.
+    let _ = above.map(fs::remove_dir).take_while(Result::is_ok).count();
+    Ok(())
+}
+
+/// Whether the run has recorded anything.
+pub fn has_begun(run: &RunFolder) -> bool {
+    let records = fs::metadata(run.file(layout::RECORDS)).map_or(0, |file| file.len());
+    records > 0 || run.has(layout::CHECKPOINT) || run.has(layout::OUTCOME)
 }
 
 /// Refuses a run of another version of the program: going on would mix what two programs computed.
@@ -107,6 +147,25 @@ pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
     Ok(RunFolder::new(folder).remove(Lives::UntilReopened)?)
 }
 
+/// Lets the run in `folder` train on to the larger budget of `wanted`. It must have been looked at before:
+/// its state was [`State::Shorter`].
+///
+/// A kill at any moment leaves one of two sound states: the run as it was, at most without its outcome, which
+/// its checkpoint brings back; or the run with its new budget, unfinished. One that failed stays failed.
+///
+/// # Errors
+/// [`HarnessError::Locked`] if a process is carrying it out; whatever keeps its files from being read or
+/// written.
+pub fn extend(folder: &Path, wanted: &Manifest) -> Result<(), HarnessError> {
+    let _lock = Lock::take(folder)?;
+    let (found, config) = read_manifest(folder)?;
+    let run = RunFolder::new(folder);
+    if let Some(Outcome::Finished { .. }) = outcome(folder, &found)? {
+        run.remove(Lives::UntilReopened)?;
+    }
+    write_manifest(folder, &manifest::extended(found, config.budget.steps, wanted))
+}
+
 /// The manifest in a run's folder, with its config.
 ///
 /// # Errors
@@ -125,6 +184,10 @@ pub fn read_manifest(folder: &Path) -> Result<(Manifest, RunConfig), HarnessErro
 /// [`HarnessError::Io`] naming the folder.
 pub fn create(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+    write_manifest(folder, manifest)
+}
+
+fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
     write_json(&folder.join(layout::MANIFEST), manifest)
         .map_err(HarnessError::io(folder, "write the manifest"))
 }

@@ -1,7 +1,7 @@
 //! Writing the records of a run, a line each, as they come.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -48,18 +48,28 @@ struct Log {
 }
 
 impl Log {
-    /// Opens the log at `path` as it was when `prefix` was noted; what came later is cut off.
+    /// Opens the log at `path`, which must begin as it was when `prefix` was noted, and changes nothing.
     fn open(path: PathBuf, prefix: Prefix) -> std::io::Result<Self> {
-        let mut file = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(&path)?;
+        let damaged =
+            |reason: &str| Error::new(ErrorKind::InvalidData, format!("{} {reason}", path.display()));
+        // Where something was noted, a file that is missing stays missing: it is named, not begun anew.
+        let mut file = OpenOptions::new()
+            .create(prefix.bytes == 0)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(&path)
+            .map_err(|error| match error.kind() {
+                ErrorKind::NotFound => damaged("is missing, though its checkpoint goes on from it"),
+                _ => StoreError::io(&path, "open this file")(error).into(),
+            })?;
         let mut kept = Vec::new();
         (&mut file).take(prefix.bytes).read_to_end(&mut kept)?;
         let mut crc = crc32fast::Hasher::new();
         crc.update(&kept);
         if kept.len() as u64 != prefix.bytes || crc.clone().finalize() != prefix.crc {
-            let reason = format!("{} was cut off or altered after its checkpoint", path.display());
-            return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, reason));
+            return Err(damaged("was cut off or altered after its checkpoint"));
         }
-        file.set_len(prefix.bytes)?;
         Ok(Self { path, file, bytes: prefix.bytes, crc })
     }
 
@@ -101,6 +111,10 @@ impl Recorder {
         let records = Log::open(run.file(layout::RECORDS), extent.records)?;
         let teaching = Log::open(run.file(layout::TEACHING), extent.teaching)?;
         let timing = Log::open(run.file(layout::TIMING), extent.timing)?;
+        // All three are sound: only now is anything cut off.
+        for log in [&records, &teaching, &timing] {
+            log.file.set_len(log.bytes)?;
+        }
         // Only now: it is written from the logs, which have been cut back to the checkpoint.
         let wanted = tensorboard || run.has(layout::EVENTS);
         let events = wanted.then(|| EventFile::rewrite(folder)).transpose()?;

@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use super::conduct::THIS_PROGRAM;
+use super::conduct::this_program;
 use crate::error::{HarnessError, chain};
 use crate::sweep::event::Event;
 use crate::sweep::exit::ExitCode;
@@ -19,12 +19,13 @@ pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Re
     if jobs.all(|job| job.config.student.device == agents::Device::Cpu) {
         return Ok(());
     }
-    let output = Command::new(THIS_PROGRAM)
+    let program = this_program()?;
+    let output = Command::new(program)
         .arg("try-cuda")
         .stdin(Stdio::null())
         .stderr(Stdio::inherit())
         .output()
-        .map_err(HarnessError::io("goalbench", "run this program"))?;
+        .map_err(HarnessError::io(program, "run this program"))?;
     if output.status.success() {
         return Ok(());
     }

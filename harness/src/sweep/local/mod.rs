@@ -13,6 +13,7 @@ use super::signals::Stopper;
 use crate::error::HarnessError;
 use crate::run::folder::{self, State};
 pub use conduct::Conduct;
+pub(super) use conduct::this_program;
 use supervise::Supervisor;
 
 /// Carries out all `jobs` that have not ended, in order. Gives every job's ending.
@@ -25,6 +26,7 @@ pub(super) fn execute(
     stopper: &Stopper,
     reporter: &dyn Reporter,
 ) -> Result<Vec<Ending>, HarnessError> {
+    let program = this_program()?;
     for job in jobs.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
     }
@@ -32,7 +34,7 @@ pub(super) fn execute(
         .num_threads(conduct.parallel)
         .build()
         .map_err(HarnessError::system("start a thread per run"))?;
-    let supervisor = Supervisor { conduct, stopper, reporter };
+    let supervisor = Supervisor { program, conduct, stopper, reporter };
     let endings: Vec<Mutex<Option<Ending>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     pool.in_place_scope_fifo(|scope| {
         for (job, ending) in jobs.iter().zip(&endings) {

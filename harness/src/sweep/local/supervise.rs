@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use reports::store::RunFolder;
 
 use super::complaints::{self, Listener};
-use super::conduct::{Conduct, THIS_PROGRAM};
+use super::conduct::Conduct;
 use crate::error::chain;
 use crate::run::folder::State;
 use crate::sweep::event::Event;
@@ -17,6 +17,8 @@ use crate::sweep::signals::Stopper;
 
 /// What all jobs share.
 pub(super) struct Supervisor<'a> {
+    /// What workers are started from.
+    pub(super) program: &'static str,
     pub(super) conduct: Conduct,
     pub(super) stopper: &'a Stopper,
     pub(super) reporter: &'a dyn Reporter,
@@ -89,16 +91,23 @@ impl Supervisor<'_> {
     }
 
     fn attempt(&self, job: &Job) -> Attempt {
-        let mut command = Command::new(THIS_PROGRAM);
+        let mut command = Command::new(self.program);
         // A process group of its own: Ctrl-C reaches this process alone, which then tells the workers.
-        command.arg0("goalbench").arg("worker").arg(&job.folder).process_group(0);
-        if self.conduct.tensorboard {
-            command.arg("--tensorboard");
+        command.arg0("goalbench").arg("worker").process_group(0);
+        for (flag, given) in
+            [("--tensorboard", self.conduct.tensorboard), ("--discard-replay", self.conduct.discard_replay)]
+        {
+            if given {
+                command.arg(flag);
+            }
         }
+        command.arg("--").arg(&job.folder);
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         match command.spawn() {
             Ok(child) => self.follow(child, job),
-            Err(error) => Attempt::Crash(format!("cannot start a worker: {error}")),
+            Err(error) => {
+                Attempt::Crash(format!("{}: cannot start this program as a worker: {error}", self.program))
+            }
         }
     }
 

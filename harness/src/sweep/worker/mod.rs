@@ -36,8 +36,17 @@ const LOCK_PATIENCE: Duration = Duration::from_secs(20);
 /// Time between two looks at the lock.
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
 
-/// Carries out the run of `folder` and records how it ended. With `tensorboard` it keeps an event file beside
-/// the records. A run that breaks down is no failure of the worker: that is its outcome.
+/// What a worker keeps beside the records.
+#[derive(Clone, Copy, Debug)]
+pub struct Keeping {
+    /// Whether it keeps a TensorBoard event file.
+    pub tensorboard: bool,
+    /// Whether it removes the replay buffer once the run has finished.
+    pub discard_replay: bool,
+}
+
+/// Carries out the run of `folder` and records how it ended. A run that breaks down is no failure of the
+/// worker: that is its outcome.
 ///
 /// The parent gets everything, errors included, as events. An error is returned as well, for standard error:
 /// with [`ExitCode::WrongInput`] or, if another attempt may succeed, [`ExitCode::Failed`].
@@ -47,12 +56,12 @@ const LOCK_PAUSE: Duration = Duration::from_millis(50);
 pub fn work(
     registry: &Registry,
     folder: &Path,
-    tensorboard: bool,
+    keeping: Keeping,
 ) -> Result<ExitCode, (ExitCode, Box<HarnessError>)> {
     tell_panics();
     // If the parent is gone nobody hears it; the exit code stays the same.
     let tell = |event: Event| drop(event.send());
-    match carry_out(registry, folder, tensorboard) {
+    match carry_out(registry, folder, keeping) {
         Ok(code) => Ok(code),
         Err(HarnessError::Locked { .. }) => {
             tell(Event::Taken);
@@ -84,7 +93,7 @@ fn tell_panics() {
     }));
 }
 
-fn carry_out(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<ExitCode, HarnessError> {
+fn carry_out(registry: &Registry, folder: &Path, keeping: Keeping) -> Result<ExitCode, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder)?;
     registry.check(&manifest.run)?;
 
@@ -96,13 +105,17 @@ fn carry_out(registry: &Registry, folder: &Path, tensorboard: bool) -> Result<Ex
     let outcome = match folder::outcome(folder, &manifest)? {
         // Another worker ended this run since it was planned, or was killed before it could say so.
         Some(outcome) => outcome,
-        None => match train(registry, folder, &manifest, config, tensorboard)? {
+        None => match train(registry, folder, &manifest, config, keeping.tensorboard)? {
             Some(outcome) => outcome,
             None => return Ok(ExitCode::Stopped),
         },
     };
     let unwritable = HarnessError::io(folder, "record in this folder");
-    tidy(folder, &outcome).and_then(|()| Event::Ended { outcome }.send()).map_err(unwritable)?;
+    // A failed run keeps its replay buffer: it may be asked to try again.
+    if keeping.discard_replay && matches!(outcome, Outcome::Finished { .. }) {
+        RunFolder::new(folder).remove(Lives::UntilDiscarded)?;
+    }
+    Event::Ended { outcome }.send().map_err(unwritable)?;
     Ok(ExitCode::Success)
 }
 
@@ -153,7 +166,7 @@ fn begin(
         error if is_libtorch(&error) => machine(run, error),
         error => HarnessError::impossible(run, "begin")(error),
     };
-    let found = checkpoint::read(folder, &manifest.hash).map_err(|error| match error {
+    let found = checkpoint::read(folder, manifest).map_err(|error| match error {
         CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
         damaged => HarnessError::impossible(run, "go on")(damaged),
     })?;
@@ -164,15 +177,6 @@ fn begin(
     };
     trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_begin)?;
     Ok((trainer, checkpoint.progress))
-}
-
-/// Removes what an ended run no longer needs. A failed one keeps its replay log: it may be asked to try
-/// again.
-fn tidy(folder: &Path, outcome: &Outcome) -> std::io::Result<()> {
-    match outcome {
-        Outcome::Finished { .. } => Ok(RunFolder::new(folder).remove(Lives::UntilFinished)?),
-        Outcome::Failed { .. } => Ok(()),
-    }
 }
 
 /// Refuses to begin anew over records that a checkpoint must have followed: the checkpoint was lost, and the
@@ -197,7 +201,7 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
 
 /// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to
 /// blame: there is no memory, or a device went away.
-fn is_libtorch(error: &RunError) -> bool {
+pub(super) fn is_libtorch(error: &RunError) -> bool {
     matches!(
         error,
         RunError::Student(AgentError::Torch(_))

@@ -1,0 +1,175 @@
+//! Trying out whether runs can begin on this machine, before anything is written for them.
+//!
+//! A process of its own builds each of them (environment, student, teacher) and throws it away. That shows
+//! what keeps a run from beginning, and whatever happens to that process harms nothing. What only the machine
+//! lacks is no reason to refuse a plan: such a run fails alone.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use agents::Device;
+use reports::schema::{Manifest, Outcome};
+use reports::store::RunFolder;
+use reports::store::layout;
+use rustix::process::{Signal, set_parent_process_death_signal};
+use serde::{Deserialize, Serialize};
+
+use super::exit::ExitCode;
+use super::job::Job;
+use super::local::this_program;
+use super::worker::is_libtorch;
+use crate::Registry;
+use crate::error::{HarnessError, chain};
+use crate::run::checkpoint::{self, REPLAY};
+use crate::run::folder::{self, State};
+use crate::run::lock::Lock;
+use crate::run::manifest;
+use crate::run::train::Trainer;
+
+/// Something to try, a JSON line on the process' standard input.
+#[derive(Serialize, Deserialize)]
+enum Trial {
+    /// To begin the run of a manifest, with its student on the CPU whatever its device.
+    Begin { manifest: Box<Manifest>, on_cpu: bool },
+    /// To go on with the finished run in this folder (its path's bytes), as it is.
+    GoOn(Vec<u8>),
+}
+
+/// How a trial came out, a JSON line each on its standard output.
+#[derive(Serialize, Deserialize)]
+struct Answer {
+    /// Why it cannot be done.
+    refusal: Option<String>,
+}
+
+/// Tries out one new run of every cell among `jobs`, and every finished run that is to be trained on. On
+/// another machine's behalf, students live on the CPU.
+///
+/// # Errors
+/// [`HarnessError::Trial`] naming the first run that cannot begin or go on, and why.
+pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
+    let mut cells = BTreeSet::new();
+    let tried: Vec<&Job> = jobs.iter().filter(|job| is_to_be_tried(job, &mut cells)).collect();
+    if tried.is_empty() {
+        return Ok(());
+    }
+    let mut input = Vec::new();
+    for job in &tried {
+        let trial = match job.state {
+            State::Shorter(_) => Trial::GoOn(job.folder.as_os_str().as_bytes().to_vec()),
+            _ => Trial::Begin { manifest: Box::new(job.manifest.clone()), on_cpu: elsewhere },
+        };
+        serde_json::to_writer(&mut input, &trial).expect("a trial is plain data");
+        input.push(b'\n');
+    }
+    let program = this_program()?;
+    let mut child = Command::new(program)
+        .arg("try-runs")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(HarnessError::io(program, "run this program"))?;
+    let mut stdin = child.stdin.take().expect("stdin is piped");
+    // If the process is gone, its end tells.
+    let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
+    let answers = BufReader::new(child.stdout.take().expect("stdout is piped")).lines();
+    let answers = answers.map_while(|line| serde_json::from_str::<Answer>(&line.ok()?).ok());
+    let answers: Vec<Answer> = answers.collect();
+    let status = child.wait().map_err(HarnessError::io(program, "wait for this program"))?;
+    let _ = writer.join();
+    if let Some(reason) = answers.iter().find_map(|answer| answer.refusal.clone()) {
+        return Err(HarnessError::Trial { reason });
+    }
+    match tried.get(answers.len()) {
+        // Killed, as the system does when memory runs out: that is the machine's doing as well. A finished
+        // run is touched only once it is known that it can go on.
+        Some(job) if status.signal().is_none() || job.state != State::New => {
+            let reason = format!("{}: it was tried out and the program ended ({status})", job.run());
+            Err(HarnessError::Trial { reason })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a job is to be tried: the first new one of its cell, or a finished one that is trained on.
+fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> bool {
+    match job.state {
+        State::New => cells.insert(job.folder.parent()),
+        State::Shorter(_) => RunFolder::new(&job.folder).has(layout::OUTCOME),
+        State::Begun | State::Ended(_) => false,
+    }
+}
+
+/// What `goalbench try-runs` does: tries what its standard input says and tells how that came out.
+///
+/// # Errors
+/// [`HarnessError::System`] if nobody asks or listens.
+pub fn try_runs(registry: &Registry) -> Result<ExitCode, HarnessError> {
+    let broken = || HarnessError::system("talk to the sweep");
+    // Without the sweep that asked nobody needs an answer, and the run's lock must go.
+    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|error| broken()(error.into()))?;
+    agents::prepare_thread();
+    for line in std::io::stdin().lock().lines() {
+        let trial: Trial =
+            serde_json::from_str(&line.map_err(broken())?).map_err(|error| broken()(error.into()))?;
+        let result = match trial {
+            Trial::Begin { manifest, on_cpu } => begin(registry, *manifest, on_cpu),
+            Trial::GoOn(folder) => go_on(registry, &PathBuf::from(OsString::from_vec(folder))),
+        };
+        let refusal = result.err().map(|error| chain(&error));
+        let mut text = serde_json::to_vec(&Answer { refusal }).expect("an answer is plain data");
+        text.push(b'\n');
+        let mut out = std::io::stdout().lock();
+        out.write_all(&text).and_then(|()| out.flush()).map_err(broken())?;
+    }
+    Ok(ExitCode::Success)
+}
+
+fn begin(registry: &Registry, manifest: Manifest, on_cpu: bool) -> Result<(), HarnessError> {
+    let run = manifest.run.clone();
+    let mut config = manifest::config(&manifest).map_err(HarnessError::impossible(&run, "begin"))?;
+    // One instance of the environment shows what twenty would.
+    config.evaluation.episodes = 1;
+    if on_cpu {
+        config.student.device = Device::Cpu;
+    }
+    match Trainer::new(registry, run.clone(), config) {
+        // This machine has no memory for it, or lost a device: the run fails alone, and may go better
+        // elsewhere.
+        Err(error) if is_libtorch(&error) => Ok(()),
+        result => result.map(drop).map_err(HarnessError::impossible(&run, "begin")),
+    }
+}
+
+/// The folder is held meanwhile: reading a replay buffer cuts off what lies behind the checkpoint.
+fn go_on(registry: &Registry, folder: &Path) -> Result<(), HarnessError> {
+    let _lock = Lock::take(folder)?;
+    let (manifest, config) = folder::read_manifest(folder)?;
+    registry.check(&manifest.run)?;
+    if !matches!(folder::outcome(folder, &manifest)?, Some(Outcome::Finished { .. })) {
+        return Ok(());
+    }
+    let missing = |name: &str, reason: &str| HarnessError::Missing {
+        path: folder.join(name),
+        reason: reason.to_owned(),
+    };
+    let run = &manifest.run;
+    let cannot = "be trained on";
+    let found = checkpoint::read(folder, &manifest).map_err(HarnessError::impossible(run, cannot))?;
+    let found = found
+        .ok_or_else(|| missing(checkpoint::CHECKPOINT, "is missing, so this run cannot be trained on"))?;
+    let replay = folder.join(REPLAY);
+    if !replay.exists() {
+        let reason = "is missing, so this run cannot be trained on: it finished with --discard-replay, or under a \
+                      version that always removed it";
+        return Err(missing(REPLAY, reason));
+    }
+    let mut trainer =
+        Trainer::new(registry, run.clone(), config).map_err(HarnessError::impossible(run, cannot))?;
+    trainer.resume(&found.trainer, &replay).map_err(HarnessError::impossible(run, cannot))
+}
