@@ -5,7 +5,6 @@
 //! in the log beside it, which only grows. The file is replaced atomically after the log is written, so that
 //! it fits the log whenever the process dies.
 
-use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -64,7 +63,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
     let mut file = new_file(folder).map_err(io)?;
     file.write_all(&SEAL.close(checkpoint)).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
-    file.persist(&path).map_err(|error| io(error.error))?;
+    guard::fresh::put(file, &path).map_err(io)?;
     Ok(())
 }
 
@@ -74,7 +73,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
 /// [`CheckpointError::Damaged`] if it is cut off, altered, of another version or of another config.
 pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointError> {
     let path = folder.join(CHECKPOINT);
-    let bytes = match fs::read(&path) {
+    let bytes = match guard::files::read(&path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),

@@ -97,7 +97,7 @@ pub(super) fn submit(
     let program = std::env::current_exe().map_err(HarnessError::system("find this program"))?;
     let script = folder.join("task.sh");
     let text = script_text(&program, &list)?;
-    fs::write(&script, text).map_err(HarnessError::io(&script, "write this file"))?;
+    guard::fresh::write(&script, text.as_bytes()).map_err(HarnessError::io(&script, "write this file"))?;
     let count = tasks.tasks.len();
     let job = match sbatch(&script, &folder, count, request) {
         Ok(job) => job,
@@ -109,7 +109,7 @@ pub(super) fn submit(
         }
     };
     let path = folder.join(JOB);
-    fs::write(&path, &job).map_err(HarnessError::io(&path, "write this file"))?;
+    guard::fresh::write(&path, job.as_bytes()).map_err(HarnessError::io(&path, "write this file"))?;
     Ok(Some(Submitted { job, tasks: count }))
 }
 
@@ -117,7 +117,7 @@ pub(super) fn submit(
 fn check_queue(results: &Path) -> Result<(), HarnessError> {
     let Ok(entries) = fs::read_dir(results.join("slurm")) else { return Ok(()) };
     for entry in entries.flatten() {
-        let Ok(id) = fs::read_to_string(entry.path().join(JOB)) else { continue };
+        let Ok(id) = guard::files::read_to_string(&entry.path().join(JOB)) else { continue };
         let queue = Command::new("squeue").args(["--noheader", "--jobs", id.trim()]).output();
         // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =

@@ -1,6 +1,5 @@
 //! `goalbench regress record`.
 
-use std::fs;
 use std::path::PathBuf;
 
 use reports::gate::baseline::Gate;
@@ -70,7 +69,8 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let count = found.cells.len();
     let provenance = regress::provenance(written.flag, &written.text)?;
     let baseline = Baseline::new(provenance, Gate { seeds: check, settings }, found.cells);
-    fs::write(&args.out, baseline.text()).map_err(HarnessError::io(&args.out, "write this baseline"))?;
+    guard::fresh::write_through(&args.out, baseline.text().as_bytes())
+        .map_err(HarnessError::io(&args.out, "write this baseline"))?;
     print(&format!(
         "{count} cells of {} seeds recorded in {}; next: goalbench regress check --baseline {1}\n",
         baseline.seeds.len(),

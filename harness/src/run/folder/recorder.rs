@@ -1,6 +1,6 @@
 //! Writing the records of a run, a line each, as they come.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -50,7 +50,7 @@ struct Log {
 impl Log {
     /// Opens the log at `path` as it was when `prefix` was noted; what came later is cut off.
     fn open(path: PathBuf, prefix: Prefix) -> std::io::Result<Self> {
-        let mut file = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(&path)?;
+        let mut file = guard::files::update(&path)?;
         let mut kept = Vec::new();
         (&mut file).take(prefix.bytes).read_to_end(&mut kept)?;
         let mut crc = crc32fast::Hasher::new();

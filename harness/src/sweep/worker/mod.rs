@@ -181,7 +181,7 @@ fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     /// Evaluations that are recorded before the first checkpoint is saved.
     const BEFORE_CHECKPOINT: usize = 2;
     let path = folder.join(layout::RECORDS);
-    let recorded = match std::fs::read_to_string(&path) {
+    let recorded = match guard::files::read_to_string(&path) {
         Ok(text) => text.lines().count(),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => 0,
         Err(source) => return Err(HarnessError::Io { path, action: "read this file", source }),
