@@ -1,16 +1,12 @@
 //! Checks that a single line cannot show: ranges, keys, order, completeness.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use serde_json::Value;
-
-use super::Run;
 use super::load::Loader;
 use super::run_folder::JsonLine;
 use crate::schema::{Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
-use crate::store::problem::{Fault, StoreProblem};
+use crate::store::problem::Fault;
 
 /// A line that belongs to one evaluation.
 trait OfEvaluation: JsonLine {
@@ -179,46 +175,4 @@ pub(super) fn outcome(outcome: &Outcome, last_step: Option<u64>) -> Vec<Fault> {
         Outcome::Failed { step, reason } => Some(Fault::Failed { step: *step, reason: reason.clone() }),
     };
     after.into_iter().chain(failed).collect()
-}
-
-/// Names every run that is not configured like the first run of its curve (same environment, curriculum and
-/// variant). `runs` come sorted by key.
-pub(super) fn configs(runs: &[Run]) -> Vec<StoreProblem> {
-    let curve = |run: &Run| {
-        let RunKey { environment, curriculum, variant, .. } = run.key().clone();
-        (environment, curriculum, variant)
-    };
-    let mut problems = Vec::new();
-    for group in runs.chunk_by(|a, b| curve(a) == curve(b)) {
-        let first = &group[0];
-        for run in &group[1..] {
-            if let Some(pointer) = first_difference(&first.manifest.config, &run.manifest.config) {
-                let path = layout::run_dir(Path::new(""), run.key()).join(layout::MANIFEST);
-                let fault = Fault::Config { other: first.key().clone(), pointer };
-                problems.push(StoreProblem { path, line: None, fault });
-            }
-        }
-    }
-    problems
-}
-
-/// JSON pointer (RFC 6901) to the first place where `a` and `b` differ; fields of objects in the order of
-/// `a`.
-fn first_difference(a: &Value, b: &Value) -> Option<String> {
-    let escaped = |name: &str| name.replace('~', "~0").replace('/', "~1");
-    match (a, b) {
-        (Value::Object(a), Value::Object(b)) => {
-            for (name, left) in a {
-                let below = match b.get(name) {
-                    Some(right) => first_difference(left, right),
-                    None => Some(String::new()),
-                };
-                if let Some(below) = below {
-                    return Some(format!("/{}{below}", escaped(name)));
-                }
-            }
-            b.keys().find(|name| !a.contains_key(*name)).map(|name| format!("/{}", escaped(name)))
-        }
-        (a, b) => (a != b).then(String::new),
-    }
 }

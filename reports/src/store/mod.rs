@@ -5,6 +5,7 @@
 //! folder that cannot be used is named in [`Store::problems`]. Partial results, of runs in progress too, are
 //! read as far as they go.
 
+pub mod cells;
 mod check;
 pub mod checksums;
 pub mod digest;
@@ -27,7 +28,8 @@ pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use teaching::teaching;
 
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
-use crate::store::problem::StoreProblem;
+use crate::store::problem::{Fault, StoreProblem};
+use cells::{CellMember, OddOne};
 
 /// One run, as far as it got.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +92,7 @@ impl Store {
             problems.extend(faults);
         }
         runs.sort_by(|a, b| a.key().cmp(b.key()));
-        problems.extend(check::configs(&runs));
+        problems.extend(leave_out_odd_ones(&mut runs));
         problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
         Ok(Self { runs, problems })
     }
@@ -120,4 +122,20 @@ impl Store {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// Removes every run that is not configured as its cell is, and names it.
+fn leave_out_odd_ones(runs: &mut Vec<Run>) -> Vec<StoreProblem> {
+    let members = runs.iter().map(|run| CellMember {
+        run: run.key(),
+        config: &run.manifest.config,
+        has_begun: !run.records.is_empty() || run.outcome.is_some(),
+    });
+    let odd = cells::odd_ones(members);
+    runs.retain(|run| odd.iter().all(|odd| odd.run != *run.key()));
+    let problem = |OddOne { run, other, pointer }: OddOne| {
+        let path = layout::run_dir(Path::new(""), &run).join(layout::MANIFEST);
+        StoreProblem { path, line: None, fault: Fault::Config { other, pointer } }
+    };
+    odd.into_iter().map(problem).collect()
 }

@@ -137,10 +137,12 @@ pub enum Fault {
         /// Step in the outcome.
         end: u64,
     },
-    /// Runs of one curve that were not configured alike.
-    #[error("config differs from {other} at `{pointer}`, kept: their curve mixes both")]
+    /// A run that is not configured as its cell is.
+    #[error(
+        "config differs from {other} at `{pointer}`, run left out: seeds of one cell differ in nothing else"
+    )]
     Config {
-        /// The first run of the same curve.
+        /// The first run of its cell that has the cell's config.
         other: RunKey,
         /// JSON pointer to the first difference.
         pointer: String,

@@ -318,18 +318,27 @@ fn a_crash_counts_until_an_evaluation_beyond_it_is_recorded() {
 }
 
 #[test]
-fn runs_of_one_curve_must_be_configured_alike() {
-    let results = TempDir::new().unwrap();
-    write_run(results.path(), &key("E", "nova", "default", 0), &[0.0]);
-    let folder = write_run(results.path(), &key("E", "nova", "default", 1), &[0.0]);
-    let path = folder.join(MANIFEST);
-    fs::write(&path, fs::read_to_string(&path).unwrap().replace("256", "512")).unwrap();
-    seal(&folder);
-    let problems: Vec<String> =
-        Store::read(results.path()).unwrap().problems().iter().map(ToString::to_string).collect();
-    let expected =
-        "config differs from E/nova/default/seed-0 at `/agent/width`, kept: their curve mixes both";
-    assert_eq!(problems, [format!("runs/E/nova/default/seed-1/manifest.json: {expected}")]);
+fn a_run_that_is_not_configured_as_its_cell_is_left_out_and_named() {
+    for ended in [true, false] {
+        let results = TempDir::new().unwrap();
+        for seed in [0, 2] {
+            write_run(results.path(), &key("E", "nova", "default", seed), &[0.0]);
+        }
+        let folder = write_run(results.path(), &key("E", "nova", "default", 1), &[0.0]);
+        let path = folder.join(MANIFEST);
+        fs::write(&path, fs::read_to_string(&path).unwrap().replace("256", "512")).unwrap();
+        seal(&folder);
+        if !ended {
+            fs::remove_file(folder.join(OUTCOME)).unwrap();
+        }
+        let store = Store::read(results.path()).unwrap();
+        let problems: Vec<String> = store.problems().iter().map(ToString::to_string).collect();
+        let expected = "config differs from E/nova/default/seed-0 at `/agent/width`, run left out: \
+                        seeds of one cell differ in nothing else";
+        assert_eq!(problems, [format!("runs/E/nova/default/seed-1/manifest.json: {expected}")]);
+        let seeds: Vec<u64> = store.runs().iter().map(|run| run.key().seed).collect();
+        assert_eq!(seeds, [0, 2], "no mean is taken over both configs");
+    }
 }
 
 #[test]
