@@ -8,12 +8,13 @@
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use agents::Seal;
+use agents::{Seal, SealError};
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
 use super::folder::Extent;
 use super::state::TrainerState;
+use crate::error::HarnessError;
 use crate::files::new_file;
 
 const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
@@ -43,6 +44,14 @@ pub enum CheckpointError {
         /// Why it failed.
         source: std::io::Error,
     },
+    /// A program of another version wrote it.
+    #[error("{path}: {source}")]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Which version.
+        source: SealError,
+    },
     /// It is not what was written.
     #[error("{path}: {reason}; delete this run's folder to train it anew")]
     Damaged {
@@ -51,6 +60,18 @@ pub enum CheckpointError {
         /// What is wrong.
         reason: String,
     },
+}
+
+impl From<CheckpointError> for HarnessError {
+    fn from(error: CheckpointError) -> Self {
+        let (path, reason) = match error {
+            CheckpointError::Io { path, action, source } => return Self::Io { path, action, source },
+            CheckpointError::Version { path, source } => (path, source.to_string()),
+            CheckpointError::Damaged { path, reason } => (path, reason),
+        };
+        let reason = format!("{reason}; delete this run's folder to train it anew");
+        Self::Damaged { path, reason }
+    }
 }
 
 /// Replaces the checkpoint in `folder`, whole or not at all.
@@ -70,7 +91,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
 /// Reads the checkpoint of the run with manifest hash `run` in `folder`; `None` if there is none.
 ///
 /// # Errors
-/// [`CheckpointError::Damaged`] if it is cut off, altered, of another version or of another config.
+/// [`CheckpointError::Damaged`] if it is cut off, altered or of another config; [`CheckpointError::Version`].
 pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointError> {
     let path = folder.join(CHECKPOINT);
     let bytes = match guard::files::read(&path) {
@@ -78,9 +99,11 @@ pub fn read(folder: &Path, run: &str) -> Result<Option<Checkpoint>, CheckpointEr
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),
     };
-    let checkpoint: Checkpoint = SEAL
-        .open(&bytes)
-        .map_err(|error| CheckpointError::Damaged { path: path.clone(), reason: error.to_string() })?;
+    let checkpoint: Checkpoint = match SEAL.open(&bytes) {
+        Ok(checkpoint) => checkpoint,
+        Err(source @ SealError::Version { .. }) => return Err(CheckpointError::Version { path, source }),
+        Err(error) => return Err(CheckpointError::Damaged { path, reason: error.to_string() }),
+    };
     if checkpoint.run != run {
         return Err(CheckpointError::Damaged {
             path,

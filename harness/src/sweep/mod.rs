@@ -97,6 +97,8 @@ impl Sweep {
     /// written.
     pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
         let lock = Lock::take(&self.results)?;
+        // What earlier sweeps left half-written when they were killed.
+        self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
         for job in &mut self.jobs {
             job.state = folder::inspect(&job.folder, &job.manifest)?;
             match &job.state {

@@ -36,7 +36,7 @@ pub enum Fault {
         expected: &'static str,
     },
     /// The folder of a run without its manifest.
-    #[error("no manifest.json, run ignored")]
+    #[error("its manifest.json is missing, run left out")]
     NoManifest,
     /// A file that cannot be read.
     #[error("cannot be read: {reason}")]

@@ -88,6 +88,12 @@ impl RunFolder {
         self.file(name).exists()
     }
 
+    /// One of the files that a run leaves beside its manifest; `None` in a folder in which no run has begun.
+    pub fn leftover(&self) -> Option<&'static str> {
+        let names = layout::FILES.iter().map(|row| row.name);
+        names.filter(|name| ![layout::MANIFEST, layout::LOCK].contains(name)).find(|name| self.has(name))
+    }
+
     /// The run whose place in a results folder this is; `None` if it lies elsewhere.
     pub fn key(&self) -> Option<RunKey> {
         layout::key_at(&self.path)

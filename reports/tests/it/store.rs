@@ -269,7 +269,7 @@ fn a_copy_of_a_run_is_no_run() {
         for name in [MANIFEST, RECORDS] {
             fs::copy(folder.join(name), copy.join(name)).unwrap();
         }
-        let runs = Results::new(folder.ancestors().nth(5).unwrap()).runs().unwrap();
+        let runs = Results::new(folder.ancestors().nth(5).unwrap()).survey().unwrap().runs;
         assert_eq!(runs, [RunFolder::new(folder)]);
     };
     let (problems, left) = damaged(copied);

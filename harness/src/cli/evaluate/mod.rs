@@ -26,8 +26,8 @@ Each run's greedy policy as of its last checkpoint plays the same episodes: thei
 environment, --seed and number alone, and no training run's own evaluations meet them. Nothing is written, and runs may \
 be in progress.
 
-Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be \
-evaluated, or one given by itself broke down.")]
+Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if a run is damaged, \
+none could be evaluated, or one given by itself broke down.")]
 pub(super) struct Args {
     /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
     #[arg(required = true, value_name = "PATH")]
@@ -59,7 +59,7 @@ struct Measured {
 }
 
 pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
-    let Chosen { subjects, mut left_out } = find(registry, &args.paths)?;
+    let Chosen { subjects, mut left_out, strays } = find(registry, &args.paths)?;
     let outcomes = measure_all(registry, &subjects, args)?;
     let (mut measured, mut broken) = (Vec::new(), false);
     for (subject, outcome) in subjects.iter().zip(outcomes) {
@@ -76,13 +76,17 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     } else if !measured.is_empty() {
         print(&output::as_text(&measured));
     }
+    let is_damaged = left_out.iter().any(HarnessError::is_damage);
+    for stray in strays {
+        complain(&format!("goalbench: left out: {stray}"));
+    }
     for error in left_out {
         complain(&format!("goalbench: left out: {}", chain(&error)));
     }
     if measured.is_empty() {
         complain("goalbench: no run was evaluated");
     }
-    Ok(if measured.is_empty() || broken { ExitCode::Failed } else { ExitCode::Success })
+    Ok(if measured.is_empty() || broken || is_damaged { ExitCode::Failed } else { ExitCode::Success })
 }
 
 /// Evaluates all, some of them at a time; the answers are in the order of `subjects`.

@@ -10,6 +10,7 @@ use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
+use crate::error::HarnessError;
 use crate::files::write_json;
 use crate::run::observer::Stage;
 use crate::tracking::EventFile;
@@ -37,6 +38,31 @@ struct Spent {
 struct Prefix {
     bytes: u64,
     crc: u32,
+}
+
+impl Extent {
+    /// Checks that the files of `run` still begin as they were, and changes nothing.
+    ///
+    /// # Errors
+    /// [`HarnessError::Damaged`] naming the file that does not; [`HarnessError::Io`].
+    pub fn check(&self, run: &RunFolder) -> Result<(), HarnessError> {
+        let parts = [
+            (layout::RECORDS, self.records),
+            (layout::TEACHING, self.teaching),
+            (layout::TIMING, self.timing),
+        ];
+        for (name, prefix) in parts {
+            let path = run.file(name);
+            let bytes = run.bytes(name)?.unwrap_or_default();
+            let kept = usize::try_from(prefix.bytes).ok().and_then(|length| bytes.get(..length));
+            if kept.is_none_or(|kept| crc32fast::hash(kept) != prefix.crc) {
+                let reason =
+                    "was cut off or altered after its checkpoint; delete this run's folder to train it anew";
+                return Err(HarnessError::Damaged { path, reason: reason.into() });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A file that only grows, a line at a time.
