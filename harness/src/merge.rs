@@ -32,6 +32,8 @@ struct Candidate {
     sound: Sound,
     records: Vec<u8>,
     teaching: Vec<u8>,
+    /// Bytes of its timings.
+    timed: usize,
 }
 
 /// The copies of a run that the sources hold.
@@ -46,7 +48,7 @@ struct Copies {
 ///
 /// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config, and
 /// their records must agree as far as both go; the one that has come further is taken, of equal ones that with
-/// a checkpoint.
+/// a checkpoint and more timings.
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
@@ -92,7 +94,8 @@ fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
     let sound = folder::check(folder.path())?;
     let bytes = |name| folder.bytes(name).map(Option::unwrap_or_default);
     let (records, teaching) = (bytes(layout::RECORDS)?, bytes(layout::TEACHING)?);
-    Ok(Candidate { folder, sound, records, teaching })
+    let timed = bytes(layout::TIMING)?.len();
+    Ok(Candidate { folder, sound, records, teaching, timed })
 }
 
 /// The copy of each run that goes into the new folder.
@@ -151,11 +154,11 @@ fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
 }
 
 /// How far a run has come: a finished one is furthest, then one with more records, then one that has failed;
-/// a checkpoint decides between equals.
-fn rank(one: &Candidate) -> (bool, usize, bool, bool) {
+/// a checkpoint, then more timings decide between equals.
+fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
     let Sound { outcome, has_checkpoint, .. } = &one.sound;
     let is_finished = matches!(outcome, Some(Outcome::Finished { .. }));
-    (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint)
+    (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
 }
 
 const PREFIX: &str = ".goalbench-merge-";

@@ -43,6 +43,11 @@ impl Policy {
         &self.manifest.run
     }
 
+    /// The run's manifest.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
     /// Training steps behind the policy.
     pub fn step(&self) -> u64 {
         self.trainer.step()

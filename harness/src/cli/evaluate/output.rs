@@ -95,7 +95,8 @@ fn table(measured: &[Measured]) -> String {
 
 /// Means over seeds; nothing where every run is the only one of its kind.
 fn summary(measured: &[Measured]) -> String {
-    let groups: Vec<&[Measured]> =
+    let measured: Vec<&Measured> = measured.iter().filter(|one| !one.is_odd).collect();
+    let groups: Vec<&[&Measured]> =
         measured.chunk_by(|a, b| a.group() == b.group()).filter(|group| group.len() > 1).collect();
     if groups.is_empty() {
         return String::new();
@@ -130,7 +131,7 @@ fn summary(measured: &[Measured]) -> String {
 }
 
 /// Training steps behind the policies of `group`: one number, or the lowest and highest where seeds differ.
-fn steps(group: &[Measured]) -> String {
+fn steps(group: &[&Measured]) -> String {
     let all = || group.iter().map(|one| one.step);
     match (all().min(), all().max()) {
         (Some(low), Some(high)) if low < high => format!("{low}-{high}"),
