@@ -204,7 +204,7 @@ fn manifests_are_checked() {
     assert_eq!(left, [0; 0]);
 
     let (problems, _) = damaged(|folder| fs::remove_file(folder.join(MANIFEST)).unwrap());
-    assert_eq!(problems, [format!("{FOLDER}: no manifest.json, run ignored")]);
+    assert_eq!(problems, [format!("{FOLDER}: its manifest.json is missing, run left out")]);
 }
 
 #[test]
