@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use guard::text::in_line;
 use reports::store::problem::StoreProblem;
 use serde_json::json;
 
@@ -74,7 +75,7 @@ fn as_text(runs: &[RunStatus]) -> String {
         let left = run.left_s.map_or("-".to_owned(), time);
         text += &format!(
             "{:<52} {state:<9} {:>17} {:>8} {:>8} {left:>8}",
-            run.run.to_string(),
+            in_line(&run.run.to_string()),
             format!("{}/{}", run.step, run.steps),
             number(run.success_rate, 2),
             number(run.steps_per_s, 0),
@@ -83,7 +84,7 @@ fn as_text(runs: &[RunStatus]) -> String {
             text += &format!("  {} crashes", run.crashes);
         }
         if let Some(reason) = &run.reason {
-            text += &format!("  {reason}");
+            text += &format!("  {}", in_line(reason));
         }
         text.push('\n');
     }
