@@ -190,6 +190,23 @@ fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
 }
 
 #[test]
+fn absurd_timings_are_numbers_like_any_other() {
+    let folder = stopped();
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    let path = run(folder.path()).join(layout::TIMING);
+    // What came after the checkpoint is nobody's yet.
+    let sound = fs::read_to_string(&path).expect("timings");
+    for wall_s in ["1e300", "1e19", "5e-324"] {
+        let line = format!("{{\"eval_index\":999,\"step\":100,\"wall_s\":{wall_s},\"evaluation_s\":0.0}}\n");
+        fs::write(&path, format!("{sound}{line}")).expect("it can be written");
+        let status = goalbench(&["status", text]);
+        assert!(status.status.success() && stdout(&status).contains("1 stopped"), "{}", stderr(&status));
+        let report = goalbench(&["report", text]);
+        assert!(report.status.code().is_some_and(|code| code < 2), "{wall_s}: {}", stderr(&report));
+    }
+}
+
+#[test]
 fn an_outcome_that_was_cut_off() {
     let folder = finished();
     fs::write(run(folder.path()).join(layout::OUTCOME), "{\"status\": \"fin").expect("it can be written");
