@@ -49,6 +49,11 @@ impl Dims {
         Self { state: spec.state, goal: spec.goal, action: spec.action }
     }
 
+    /// Numbers that an episode of `horizon` steps is made of in the replay buffer.
+    pub(crate) fn episode_len(self, horizon: usize) -> usize {
+        (horizon + 1) * (self.state + self.goal + self.action) + self.goal
+    }
+
     /// S + G, what an actor sees.
     pub(crate) fn actor_inputs(self) -> usize {
         self.state + self.goal

@@ -80,7 +80,7 @@ pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, TorchError}
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
 pub use products::Products;
-pub use registry::make;
+pub use registry::{check_replay, make};
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};
 pub use seal::{Seal, SealError};

@@ -75,6 +75,11 @@ impl Moments {
         Self { count: pseudo_observations, sum: vec![0.0; width], sum_of_squares: vec![0.0; width] }
     }
 
+    /// Numbers of a vector.
+    pub(crate) fn width(&self) -> usize {
+        self.sum.len()
+    }
+
     /// Whether they hold no input, only at most `pseudo_observations` zeros.
     fn are_of_zeros(&self, pseudo_observations: u64) -> bool {
         self.count <= pseudo_observations && self.sum_of_squares.iter().all(|&sum| sum == 0.0)

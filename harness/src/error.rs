@@ -148,6 +148,12 @@ pub enum HarnessError {
         /// The runs, a line each, with what conflicts.
         runs: String,
     },
+    /// Runs that no source of a merge has whole.
+    #[error("these runs are damaged and no source has them whole, nothing was written:\n  {runs}")]
+    Unsound {
+        /// What is wrong, a line each.
+        runs: String,
+    },
     /// A picture cannot be drawn.
     #[error(transparent)]
     Render(#[from] envs::render::RenderError),
@@ -303,6 +309,11 @@ impl HarnessError {
             Self::System { .. } | Self::Machine { .. } => true,
             _ => false,
         }
+    }
+
+    /// Whether files of a run are not what was written, or cannot be read.
+    pub fn is_damage(&self) -> bool {
+        matches!(self, Self::Damaged { .. } | Self::Manifest { .. } | Self::Store(_) | Self::Io { .. })
     }
 
     /// An unknown name, with suggestion.

@@ -4,128 +4,214 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::schema::{Manifest, Outcome};
-use reports::store::{Results, RunFolder, layout};
+use reports::schema::{Outcome, RunKey};
+use reports::store::cells::{CellMember, odd_ones};
+use reports::store::problem::StoreProblem;
+use reports::store::{Results, RunFolder, Survey, layout};
 
-use crate::error::HarnessError;
-use crate::run::folder;
-use crate::run::lock::is_locked;
+use crate::error::{HarnessError, chain};
+use crate::run::folder::{self, Sound};
+use crate::run::lock::{Lock, is_locked};
 
 /// What a merge did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct Merged {
     /// Runs in the new folder.
     pub runs: usize,
-    /// Runs that several sources had, with the same bytes.
+    /// Runs that several sources had, with the same bytes as far as both go.
     pub shared: usize,
+    /// Damaged copies of runs that another source had whole, in a line each.
+    pub damaged: Vec<String>,
+    /// What lay in the sources and is no run, in a line each.
+    pub strays: Vec<String>,
 }
 
-/// A run in one of the sources.
+/// A sound run in one of the sources.
 struct Candidate {
     folder: RunFolder,
-    manifest: Manifest,
+    sound: Sound,
     records: Vec<u8>,
-    outcome: Option<Outcome>,
+    teaching: Vec<u8>,
+    /// Bytes of its timings.
+    timed: usize,
+}
+
+/// The copies of a run that the sources hold.
+#[derive(Default)]
+struct Copies {
+    sound: Vec<Candidate>,
+    /// What is wrong with the others.
+    damaged: Vec<String>,
 }
 
 /// Copies the runs of all `sources` into the new folder `out`, which appears complete or not at all.
 ///
-/// A run that several sources have must have the same config; its records must agree as far as both go, and
-/// the one that has come further is taken.
+/// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config, and
+/// their records must agree as far as both go; the one that has come further is taken, of equal ones that with
+/// a checkpoint and more timings.
 ///
 /// # Errors
-/// [`HarnessError::Conflict`] naming every conflicting run, [`HarnessError::Exists`] if `out` does, and
-/// whatever keeps files from being read or written.
+/// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
+/// every conflicting run, [`HarnessError::Exists`] if `out` does, [`HarnessError::Locked`] if a process is
+/// carrying out a run, and whatever keeps files from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
-    if out.exists() {
+    if out.symlink_metadata().is_ok() {
         return Err(HarnessError::Exists { folder: out.to_owned() });
     }
-    let mut chosen: BTreeMap<String, Candidate> = BTreeMap::new();
-    let mut conflicts = Vec::new();
-    let mut shared = 0;
+    let mut merged = Merged::default();
+    let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
-        let folders = Results::new(source).runs()?;
-        if folders.is_empty() {
+        let Survey { runs, lost, strays } = Results::new(source).survey()?;
+        if runs.is_empty() && lost.is_empty() {
             let path = layout::runs_dir(source);
             return Err(HarnessError::Missing { path, reason: "holds no runs".into() });
         }
-        for folder in folders {
-            let found = read(folder)?;
-            let id = found.manifest.run.to_string();
-            let Some(other) = chosen.get(&id) else {
-                chosen.insert(id, found);
-                continue;
-            };
-            shared += 1;
-            match conflict(other, &found) {
-                Some(reason) => conflicts.push(format!("{id}: {reason}")),
-                None if is_further(&found, other) => {
-                    chosen.insert(id, found);
-                }
-                None => {}
+        let named = |stray: &StoreProblem| format!("{}: {stray}", source.display());
+        merged.strays.extend(strays.iter().map(named));
+        for folder in runs.into_iter().chain(lost) {
+            let Some(key) = folder.key() else { continue };
+            let copies = found.entry(key).or_default();
+            match read(folder) {
+                Ok(candidate) => copies.sound.push(candidate),
+                Err(error @ HarnessError::Locked { .. }) => return Err(error),
+                Err(error) => copies.damaged.push(chain(&error)),
             }
         }
     }
-    if !conflicts.is_empty() {
-        return Err(HarnessError::Conflict { runs: conflicts.join("\n  ") });
-    }
+    merged.shared = found.values().map(|copies| (copies.sound.len()).saturating_sub(1)).sum();
+    merged.damaged = found.values().flat_map(|copies| copies.damaged.clone()).collect();
+    let chosen = choose(found)?;
+    merged.runs = chosen.len();
     copy_all(&chosen, out)?;
-    Ok(Merged { runs: chosen.len(), shared })
+    Ok(merged)
 }
 
 fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
-    let (manifest, _) = folder::read_manifest(folder.path())?;
-    folder.check_place(&manifest)?;
     if is_locked(folder.path()) {
         // Its worker would change the files while they are copied.
         return Err(HarnessError::Locked { folder: folder.path().to_owned() });
     }
-    let records = folder.bytes(layout::RECORDS)?.unwrap_or_default();
-    let outcome = folder::outcome(folder.path(), &manifest)?;
-    Ok(Candidate { folder, manifest, records, outcome })
+    let sound = folder::check(folder.path())?;
+    let bytes = |name| folder.bytes(name).map(Option::unwrap_or_default);
+    let (records, teaching) = (bytes(layout::RECORDS)?, bytes(layout::TEACHING)?);
+    let timed = bytes(layout::TIMING)?.len();
+    Ok(Candidate { folder, sound, records, teaching, timed })
+}
+
+/// The copy of each run that goes into the new folder.
+fn choose(found: BTreeMap<RunKey, Copies>) -> Result<Vec<Candidate>, HarnessError> {
+    let (mut chosen, mut unsound, mut conflicts) = (Vec::new(), Vec::new(), Vec::new());
+    for (key, copies) in found {
+        for (index, a) in copies.sound.iter().enumerate() {
+            let reasons = copies.sound[..index].iter().filter_map(|b| conflict(b, a));
+            conflicts.extend(reasons.map(|reason| format!("{key}: {reason}")));
+        }
+        // Of equally good ones the first: `max_by_key` takes the last.
+        match copies.sound.into_iter().rev().max_by_key(rank) {
+            Some(best) => chosen.push(best),
+            None => unsound.extend(copies.damaged),
+        }
+    }
+    if !unsound.is_empty() {
+        return Err(HarnessError::Unsound { runs: unsound.join("\n  ") });
+    }
+    let members = chosen.iter().map(|one: &Candidate| CellMember {
+        run: &one.sound.manifest.run,
+        config: &one.sound.manifest.config,
+        has_begun: !one.records.is_empty() || one.sound.outcome.is_some(),
+    });
+    conflicts.extend(odd_ones(members).into_iter().map(|odd| {
+        let (run, other, pointer) = (odd.run, odd.other, odd.pointer);
+        format!("{run}: config differs from that of {other} at `{pointer}`; seeds of a method differ in nothing else")
+    }));
+    if conflicts.is_empty() {
+        Ok(chosen)
+    } else {
+        Err(HarnessError::Conflict { runs: conflicts.join("\n  ") })
+    }
 }
 
 fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
     let both = format!("{} and {}", a.folder.path().display(), b.folder.path().display());
-    if a.manifest.hash != b.manifest.hash {
+    if a.sound.manifest.hash != b.sound.manifest.hash {
         return Some(format!("{both} have different configs"));
     }
-    if a.outcome.is_some() && b.outcome.is_some() && a.outcome != b.outcome {
+    if a.sound.outcome.is_some() && b.sound.outcome.is_some() && a.sound.outcome != b.sound.outcome {
         return Some(format!("{both} ended differently"));
     }
-    let common = a.records.len().min(b.records.len());
-    if a.records[..common] != b.records[..common] {
-        return Some(format!("{both} have the same config and different records"));
-    }
-    None
-}
-
-/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed.
-fn is_further(a: &Candidate, b: &Candidate) -> bool {
-    let rank = |found: &Candidate| {
-        let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));
-        (finished, found.records.len(), found.outcome.is_some())
+    let differ = |a: &[u8], b: &[u8]| {
+        let common = a.len().min(b.len());
+        a[..common] != b[..common]
     };
-    rank(a) > rank(b)
+    let name = if differ(&a.records, &b.records) {
+        "records"
+    } else if differ(&a.teaching, &b.teaching) {
+        layout::TEACHING
+    } else {
+        return None;
+    };
+    Some(format!("{both} have the same config and different {name}"))
 }
 
-/// Copies into a temporary neighbour of `out`, then renames it.
-fn copy_all(runs: &BTreeMap<String, Candidate>, out: &Path) -> Result<(), HarnessError> {
+/// How far a run has come: a finished one is furthest, then one with more records, then one that has failed;
+/// a checkpoint, then more timings decide between equals.
+fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
+    let Sound { outcome, has_checkpoint, .. } = &one.sound;
+    let is_finished = matches!(outcome, Some(Outcome::Finished { .. }));
+    (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
+}
+
+const PREFIX: &str = ".goalbench-merge-";
+/// Characters after it, which no two folders share.
+const RANDOM: usize = 12;
+
+/// Copies into a temporary neighbour of `out`, checks what was copied, then renames it.
+fn copy_all(runs: &[Candidate], out: &Path) -> Result<(), HarnessError> {
     let parent = match out.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
     fs::create_dir_all(parent).map_err(HarnessError::io(parent, "create this folder"))?;
+    sweep(parent);
     let fresh = tempfile::Builder::new()
-        .prefix(".merge-")
+        .prefix(PREFIX)
+        .rand_bytes(RANDOM)
         .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777))
         .tempdir_in(parent)
         .map_err(HarnessError::io(parent, "write in this folder"))?;
-    for found in runs.values() {
-        found.folder.copy_to(&layout::run_dir(fresh.path(), &found.manifest.run))?;
+    // Held as a sweep holds its results, so that no other merge takes it for abandoned.
+    let _lock = Lock::take(fresh.path())?;
+    for one in runs {
+        let to = layout::run_dir(fresh.path(), &one.sound.manifest.run);
+        one.folder.copy_to(&to)?;
+        // Somebody may have gone on with the run, or changed it, since it was checked.
+        folder::check(&to).map_err(HarnessError::unusable(one.folder.path().display(), "copy this run"))?;
     }
     fs::rename(fresh.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
     // Renamed away: there is nothing left for the guard to remove.
     let _ = fresh.keep();
     Ok(())
+}
+
+/// Removes from `parent` what merges left behind that were killed: folders with their name and content that
+/// nobody holds. What cannot be removed stays; it does no harm.
+fn sweep(parent: &Path) {
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX)).unwrap_or_default();
+        let is_named = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+        if is_named && entry.file_type().is_ok_and(|kind| kind.is_dir()) && holds_runs_alone(&entry.path()) {
+            if let Ok(_lock) = Lock::take(&entry.path()) {
+                let _ = fs::remove_dir_all(entry.path());
+            }
+        }
+    }
+}
+
+fn holds_runs_alone(folder: &Path) -> bool {
+    let runs = layout::runs_dir(Path::new(""));
+    let is_ours = |name: &Path| name == runs || name == Path::new(layout::LOCK);
+    fs::read_dir(folder).is_ok_and(|mut entries| {
+        entries.all(|entry| entry.is_ok_and(|entry| is_ours(entry.file_name().as_ref())))
+    })
 }

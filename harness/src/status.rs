@@ -2,12 +2,15 @@
 
 use std::path::Path;
 
-use reports::schema::{Outcome, Record, RunKey, Timing};
-use reports::store::{Results, RunFolder};
+use rayon::prelude::*;
+use reports::schema::{Manifest, Outcome, Record, RunKey, Timing};
+use reports::store::problem::StoreProblem;
+use reports::store::{Results, RunFolder, Survey};
 use serde::Serialize;
 
+use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
-use crate::run::folder;
+use crate::run::folder::{self, Sound};
 use crate::run::lock::is_locked;
 
 /// What a run is doing.
@@ -70,27 +73,58 @@ impl RunStatus {
     }
 }
 
-/// The state of every run in `results`, in the order of their folders.
+/// What a results folder holds.
+#[derive(Clone, Debug)]
+pub struct Overview {
+    /// The state of every run, in the order of their folders.
+    pub runs: Vec<RunStatus>,
+    /// What else lies where runs belong, such as a copied folder `seed-0 (copy)`.
+    pub strays: Vec<StoreProblem>,
+}
+
+/// The state of every run in `results`. All of them are checked as they are before they go on, but for those
+/// that a worker is on.
 ///
 /// # Errors
 /// [`HarnessError`] if it is no results folder. A damaged run is no error: that is its state.
-pub fn status(results: &Path) -> Result<Vec<RunStatus>, HarnessError> {
+pub fn status(results: &Path) -> Result<Overview, HarnessError> {
     let state = |(key, folder): (RunKey, &RunFolder)| {
         run_status(folder).unwrap_or_else(|error| RunStatus {
             reason: Some(chain(&error)),
             ..RunStatus::new(key, Activity::Damaged)
         })
     };
-    let folders = Results::new(results).runs()?;
-    Ok(folders.iter().filter_map(|folder| Some((folder.key()?, folder))).map(state).collect())
+    let Survey { mut runs, lost, strays } = Results::new(results).survey()?;
+    runs.extend(lost);
+    runs.sort();
+    let folders: Vec<_> = runs.iter().filter_map(|folder| Some((folder.key()?, folder))).collect();
+    Ok(Overview { runs: folders.into_par_iter().map(state).collect(), strays })
+}
+
+/// The run in `folder`, checked unless a worker is on it.
+fn checked(folder: &RunFolder) -> Result<(Manifest, RunConfig, Option<Outcome>), HarnessError> {
+    let unchecked = || {
+        let (manifest, config) = folder::read_manifest(folder.path())?;
+        folder.check_place(&manifest)?;
+        Ok((manifest, config, None))
+    };
+    if is_locked(folder.path()) {
+        return unchecked();
+    }
+    match folder::check(folder.path()) {
+        Ok(Sound { manifest, config, outcome, .. }) => Ok((manifest, config, outcome)),
+        // Its worker began in between and changed files while they were read.
+        Err(_) if is_locked(folder.path()) => unchecked(),
+        Err(error) => Err(error),
+    }
 }
 
 fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
-    let (manifest, config) = folder::read_manifest(folder.path())?;
+    let (manifest, config, outcome) = checked(folder)?;
     let steps = config.budget.steps;
     let record: Option<Record> = folder.last();
     let timing: Option<Timing> = folder.last();
-    let (activity, reason) = match folder::outcome(folder.path(), &manifest)? {
+    let (activity, reason) = match outcome {
         Some(Outcome::Finished { .. }) => (Activity::Finished, None),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
         None if is_locked(folder.path()) => (Activity::Running, None),
@@ -103,7 +137,8 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let step = record.as_ref().map_or(0, |record| record.step);
     let speed = timing
         .filter(|timing| timing.step > 0 && timing.wall_s > 0.0)
-        .map(|timing| timing.step as f64 / timing.wall_s);
+        .map(|timing| timing.step as f64 / timing.wall_s)
+        .filter(|speed| speed.is_normal());
     let unfinished = !matches!(activity, Activity::Finished | Activity::Failed);
     Ok(RunStatus {
         step,

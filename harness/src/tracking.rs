@@ -44,7 +44,7 @@ impl EventFile {
             file.write_all(&framed(&scalars_event(begun, record, teaching, timing)))?;
         }
         let path = run.file(EVENTS);
-        let file = file.persist(&path)?;
+        let file = guard::fresh::put(file, &path)?;
         Ok(Self { path, file, begun })
     }
 

@@ -6,8 +6,11 @@ mod support;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
-use reports::store::layout;
+use reports::store::{RunFolder, layout};
+use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, stdout, toy, toy_args};
 
 fn run(results: &Path) -> PathBuf {
@@ -21,7 +24,7 @@ fn finished() -> tempfile::TempDir {
 }
 
 /// The same command once more must refuse and say each of `expected`; so must a merge; status goes on and
-/// says it, too.
+/// says it, too. Report and evaluation go on with the other run, name the file and fail.
 fn noticed(results: &Path, expected: &[&str]) {
     let out = results.with_extension("merged");
     let text = |path: &Path| path.to_str().expect("a test path is UTF-8").to_owned();
@@ -36,22 +39,171 @@ fn noticed(results: &Path, expected: &[&str]) {
         }
     }
     assert!(stdout(&status).contains("2 runs: 1 finished, 1 damaged"), "{}", stdout(&status));
+    assert_eq!(goalbench(&["status", "--strict", &text(results)]).status.code(), Some(1));
+    for args in [&["report", &text(results)][..], &["evaluate", "--episodes", "2", &text(results)]] {
+        let output = goalbench(args);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(expected[0]), "{args:?}: {}", stderr(&output));
+    }
 }
 
 #[test]
-fn records_of_a_finished_run_that_were_altered_cut_off_or_lost() {
+fn what_a_finished_run_recorded_that_was_altered_cut_off_emptied_or_lost() {
     let folder = finished();
-    let path = run(folder.path()).join(layout::RECORDS);
-    let good = fs::read_to_string(&path).expect("records");
-    let altered = good.replacen("\"success_rate\":0.0", "\"success_rate\":1.0", 1);
-    assert_ne!(altered, good);
-    for bad in [altered.as_str(), &good[..300]] {
-        fs::write(&path, bad).expect("the test folder can be written");
-        noticed(folder.path(), &["records.jsonl", "cut off or altered after the run ended"]);
-        assert_eq!(fs::read_to_string(&path).expect("records"), bad, "it is left alone");
+    for (name, from, to) in [
+        (layout::RECORDS, "\"success_rate\":0.0", "\"success_rate\":1.0"),
+        (layout::TEACHING, "\"successes\":[false", "\"successes\":[true"),
+    ] {
+        let path = run(folder.path()).join(name);
+        let good = fs::read_to_string(&path).expect(name);
+        let altered = good.replacen(from, to, 1);
+        assert_ne!(altered, good);
+        let line_less: String = good.split_inclusive('\n').take(4).collect();
+        assert!(line_less.len() < good.len());
+        for bad in [altered.as_str(), &good[..300], &line_less, ""] {
+            fs::write(&path, bad).expect("the test folder can be written");
+            noticed(folder.path(), &[name, "cut off or altered after the run ended"]);
+            assert_eq!(fs::read_to_string(&path).expect(name), bad, "it is left alone");
+        }
+        fs::remove_file(&path).expect(name);
+        noticed(folder.path(), &[name, "No such file"]);
+        fs::write(&path, good).expect("the test folder can be written");
     }
-    fs::remove_file(&path).expect("records");
-    noticed(folder.path(), &["records.jsonl", "No such file"]);
+}
+
+#[test]
+fn a_manifest_that_was_edited_or_is_missing() {
+    let folder = finished();
+    let path = run(folder.path()).join(layout::MANIFEST);
+    let good = fs::read_to_string(&path).expect("a manifest");
+    let edited = good.replace("\"batch\": 32", "\"batch\": 1024");
+    assert_ne!(edited, good);
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    let out = folder.path().with_extension("merged");
+    let out = out.to_str().expect("a test path is UTF-8");
+    for (bad, reason) in [(Some(edited.as_str()), "hash does not fit its config"), (None, "manifest")] {
+        match bad {
+            Some(bad) => fs::write(&path, bad).expect("the test folder can be written"),
+            None => fs::remove_file(&path).expect("a manifest"),
+        }
+        let commands: [(&[&str], i32); 5] = [
+            (&["status", text], 0),
+            (&["status", "--strict", text], 1),
+            (&["report", text], 1),
+            (&["evaluate", "--episodes", "2", text], 1),
+            (&["merge", text, "--out", out], 2),
+        ];
+        for (args, code) in commands {
+            let output = goalbench(args);
+            let said = stdout(&output) + &stderr(&output);
+            assert_eq!(output.status.code(), Some(code), "{args:?}: {said}");
+            assert!(said.contains("Point/teach/default/seed-0") && said.contains(reason), "{args:?}: {said}");
+        }
+        let again = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
+        assert_eq!(again.status.code(), Some(2));
+        assert!(!Path::new(out).exists(), "nothing is written");
+    }
+}
+
+#[test]
+fn a_copied_folder_is_no_run_and_is_named() {
+    let folder = finished();
+    let copy = run(folder.path()).with_file_name("seed-0 (copy)");
+    RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    let out = folder.path().join("merged");
+    let out = out.to_str().expect("a test path is UTF-8");
+    for (args, code) in [
+        (&["status", text][..], 0),
+        (&["status", "--json", text], 0),
+        (&["status", "--strict", text], 1),
+        (&["report", text], 1),
+        (&["evaluate", "--episodes", "2", text], 0),
+        (&["merge", text, "--out", out], 0),
+    ] {
+        let output = goalbench(args);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("seed-0 (copy)"), "{args:?}: {}", stderr(&output));
+    }
+    assert!(stdout(&goalbench(&["status", text])).contains("2 runs: 2 finished"));
+    assert!(!Path::new(out).join("runs/Point/teach/default/seed-0 (copy)").exists());
+}
+
+/// A run of TEACH that was stopped, with a checkpoint and a replay log.
+fn stopped() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let args = toy_args(folder.path(), &["--seeds", "0", "--curriculum", "teach", "--steps", "1000000"]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
+    let mut sweep = command.args(args).stderr(Stdio::null()).spawn().expect("the program starts");
+    let begun = Instant::now();
+    let recorded = || {
+        let text = fs::read_to_string(run(folder.path()).join(layout::RECORDS)).unwrap_or_default();
+        text.lines().count()
+    };
+    while recorded() < 6 {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no evaluation within a minute");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let pid = i32::try_from(sweep.id()).ok().and_then(Pid::from_raw).expect("a process id");
+    kill_process(pid, Signal::TERM).expect("it can be stopped");
+    assert_eq!(sweep.wait().expect("it ends").code(), Some(3));
+    folder
+}
+
+#[test]
+fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
+    let folder = stopped();
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    let out = folder.path().join("merged");
+    let out = out.to_str().expect("a test path is UTF-8");
+    let sound = goalbench(&["status", "--strict", text]);
+    assert!(sound.status.success() && stdout(&sound).contains("1 stopped"), "{}", stdout(&sound));
+    let segment = "replay/episodes-0.bin";
+    for (name, keep) in [
+        (layout::CHECKPOINT, Some(100)),
+        (layout::CHECKPOINT, None),
+        (layout::RECORDS, Some(300)),
+        (layout::TEACHING, Some(0)),
+        (layout::TEACHING, None),
+        (segment, Some(0)),
+        (segment, Some(1000)),
+        (segment, None),
+    ] {
+        let path = run(folder.path()).join(name);
+        let good = fs::read(&path).expect(name);
+        match keep {
+            Some(bytes) => fs::write(&path, &good[..bytes]).expect("the test folder can be written"),
+            None => fs::remove_file(&path).expect(name),
+        }
+        let (status, merged) =
+            (goalbench(&["status", "--strict", text]), goalbench(&["merge", text, "--out", out]));
+        assert_eq!((status.status.code(), merged.status.code()), (Some(1), Some(2)), "{name}");
+        let report = goalbench(&["report", text]);
+        assert_eq!(report.status.code(), Some(1), "{name}");
+        for said in [stdout(&status), stderr(&merged), stderr(&report)] {
+            assert!(said.contains(name), "expected {name} in {said}");
+        }
+        assert!(stdout(&status).contains("1 damaged") && !Path::new(out).exists());
+        fs::write(&path, good).expect("the test folder can be written");
+    }
+    assert!(goalbench(&["merge", text, "--out", out]).status.success(), "it was put right again");
+}
+
+#[test]
+fn absurd_timings_are_numbers_like_any_other() {
+    let folder = stopped();
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    let path = run(folder.path()).join(layout::TIMING);
+    // What came after the checkpoint is nobody's yet.
+    let sound = fs::read_to_string(&path).expect("timings");
+    for wall_s in ["1e300", "1e19", "5e-324"] {
+        let line = format!("{{\"eval_index\":999,\"step\":100,\"wall_s\":{wall_s},\"evaluation_s\":0.0}}\n");
+        fs::write(&path, format!("{sound}{line}")).expect("it can be written");
+        let status = goalbench(&["status", text]);
+        assert!(status.status.success() && stdout(&status).contains("1 stopped"), "{}", stderr(&status));
+        let report = goalbench(&["report", text]);
+        assert!(report.status.code().is_some_and(|code| code < 2), "{wall_s}: {}", stderr(&report));
+    }
 }
 
 #[test]

@@ -7,7 +7,8 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::store::layout;
+use reports::store::checksums::Checksums;
+use reports::store::{RunFolder, layout};
 use support::{goalbench, stderr, stdout, toy};
 
 /// Arguments of a merge of `sources` into `out`.
@@ -55,23 +56,59 @@ fn shares_of_a_sweep_become_one_folder_that_can_be_gone_on_with() {
     assert!(stdout(&status).contains("8 runs: 8 finished"), "{}", stdout(&status));
 }
 
+/// What a merge of `sources` in both orders says on standard error; it must succeed with the run of seed 1 whole.
+fn merged_whole(folder: &Path, sources: [&Path; 2], name: &str) -> String {
+    let mut said = String::new();
+    for (order, [first, second]) in [sources, [sources[1], sources[0]]].into_iter().enumerate() {
+        let out = folder.join(format!("{name}-{order}"));
+        let output = merge(&[first, second], &out);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+        for file in [layout::RECORDS, layout::TEACHING, layout::CHECKPOINT, layout::OUTCOME] {
+            let copied = fs::read(run(&out, 1).join(file)).expect(file);
+            assert!(copied == fs::read(run(sources[0], 1).join(file)).expect(file), "{name}: {file}");
+        }
+        said += &stderr(&output);
+    }
+    said
+}
+
 #[test]
-fn of_two_states_of_a_run_the_further_one_is_taken_whatever_their_order() {
+fn of_several_copies_the_sound_one_is_taken_whatever_their_order() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (a, b) = shares(folder.path());
-    // As if machine b had been switched off in the middle of seed 1.
-    let records = run(&b, 1).join(layout::RECORDS);
-    let text = fs::read_to_string(&records).expect("records");
-    let half: String = text.split_inclusive('\n').take(2).collect();
-    fs::write(&records, half).expect("the test folder can be written");
-    fs::remove_file(run(&b, 1).join(layout::OUTCOME)).expect("an outcome");
-    for (number, sources) in [[a.as_path(), &b], [b.as_path(), &a]].iter().enumerate() {
-        let out = folder.path().join(format!("all-{number}"));
-        let output = merge(sources, &out);
-        assert!(output.status.success(), "{}", stderr(&output));
-        let merged = fs::read_to_string(run(&out, 1).join(layout::RECORDS)).expect("records");
-        assert_eq!(merged, text);
+    let copy = run(&b, 1);
+    for (name, keep) in [
+        (layout::RECORDS, 300),
+        (layout::TEACHING, 0),
+        (layout::CHECKPOINT, 200),
+        (layout::OUTCOME, 5),
+        (layout::MANIFEST, 50),
+    ] {
+        let good = fs::read(copy.join(name)).expect(name);
+        fs::write(copy.join(name), &good[..keep]).expect("the test folder can be written");
+        let said = merged_whole(folder.path(), [&a, &b], name);
+        assert!(
+            said.contains("left out, another source has this run whole") && said.contains(name),
+            "{said}"
+        );
+        let alone = merge(&[&b], &folder.path().join("alone"));
+        assert_eq!(alone.status.code(), Some(2), "{name}");
+        assert!(stderr(&alone).contains("no source has them whole") && stderr(&alone).contains(name));
+        fs::write(copy.join(name), good).expect("the test folder can be written");
     }
+    // Its policy is lost, its results are not: it is taken where there is no other.
+    fs::remove_file(copy.join(layout::CHECKPOINT)).expect("a checkpoint");
+    assert_eq!(merged_whole(folder.path(), [&a, &b], "policy"), "");
+    assert!(merge(&[&b], &folder.path().join("alone")).status.success());
+}
+
+/// Makes what lies in the folder of an ended run what it ended with.
+fn seal(folder: &Path) {
+    let run = RunFolder::new(folder);
+    let manifest = run.manifest().expect("a manifest").expect("a manifest");
+    let sums = Checksums::of(&run, &manifest.hash).expect("its files can be read");
+    let text = serde_json::to_string(&sums).expect("plain data");
+    fs::write(folder.join(layout::CHECKSUMS), text).expect("the test folder can be written");
 }
 
 #[test]
@@ -93,17 +130,53 @@ fn conflicting_runs_are_named_and_nothing_is_written() {
     toy(&other, &["--seeds", "0,1", "--set", "student.batch=33"]);
     let conflicts = ["Point/teach/default/seed-0", "Point/teach/default/seed-1", "have different configs"];
     refused(&[&a, &other], &conflicts);
+    // Other seeds with another config: no run is there twice, but the cell has two configs.
+    let more = folder.path().join("more");
+    toy(&more, &["--seeds", "2,3", "--set", "student.batch=33"]);
+    refused(&[&a, &more], &["Point/teach/default/seed-2: config differs", "/student/batch"]);
 
     // The same config and other records: one of the machines computes differently.
-    let records = run(&b, 1).join(layout::RECORDS);
-    let text = fs::read_to_string(&records)
-        .expect("records")
-        .replace("\"gradient_steps\":12", "\"gradient_steps\":13");
-    fs::write(&records, text).expect("the test folder can be written");
-    fs::remove_file(run(&b, 1).join(layout::OUTCOME)).expect("an outcome");
-    refused(&[&a, &b], &["Point/teach/default/seed-1", "different records"]);
-
+    for (name, from, to, said) in [
+        (layout::RECORDS, "\"gradient_steps\":12", "\"gradient_steps\":13", "different records"),
+        (layout::TEACHING, "\"successes\":[false", "\"successes\":[true", "different teaching.jsonl"),
+    ] {
+        let path = run(&b, 1).join(name);
+        let good = fs::read_to_string(&path).expect(name);
+        let altered = good.replace(from, to);
+        assert_ne!(altered, good);
+        fs::write(&path, altered).expect("the test folder can be written");
+        seal(&run(&b, 1));
+        refused(&[&a, &b], &["Point/teach/default/seed-1", said]);
+        fs::write(&path, good).expect("the test folder can be written");
+        seal(&run(&b, 1));
+    }
     refused(&[&a, &folder.path().join("nowhere")], &["nowhere"]);
+    assert!(merge(&[&a, &b], &out).status.success());
+}
+
+#[test]
+fn what_a_killed_merge_left_is_removed_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = shares(folder.path());
+    let place = |name: &str| folder.path().join(name);
+    for name in [".goalbench-merge-0123456789ab", ".goalbench-merge-held56789abc"] {
+        fs::create_dir_all(place(name).join("runs/Point")).expect("it can be created");
+    }
+    let held = fs::File::create(place(".goalbench-merge-held56789abc/.lock")).expect("it can be created");
+    held.lock().expect("it can be locked");
+    for name in [".merge-AbCdEf/runs", ".goalbench-merge-notes", ".goalbench-merge-other6789abc/mine"] {
+        fs::create_dir_all(place(name)).expect("it can be created");
+    }
+    assert!(merge(&[&a, &b], &place("all")).status.success());
+    assert!(!place(".goalbench-merge-0123456789ab").exists());
+    for kept in [
+        ".goalbench-merge-held56789abc/runs/Point",
+        ".merge-AbCdEf/runs",
+        ".goalbench-merge-notes",
+        ".goalbench-merge-other6789abc/mine",
+    ] {
+        assert!(place(kept).exists(), "{kept}");
+    }
 }
 
 #[test]

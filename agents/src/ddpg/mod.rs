@@ -57,6 +57,7 @@ use crate::normalizer::Normalizer;
 use crate::replay::{Log, Replay, Source};
 
 use infer::Inference;
+pub(crate) use state::check_replay;
 use update::Learner;
 
 /// The DDPG + HER student.

@@ -3,12 +3,17 @@
 //! The bytes are sealed with magic, version and CRC-32. Hyper-parameters are not part of it: the
 //! caller knows them, and parameters of another shape are refused.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use super::Ddpg;
+use crate::batch::Dims;
+use crate::config::StudentConfig;
 use crate::error::AgentError;
 use crate::networks::SavedStack;
 use crate::normalizer::Moments;
+use crate::replay::read_all;
 use crate::seal::Seal;
 
 const SEAL: Seal = Seal { magic: *b"GBDH", version: 2, what: "a student's state" };
@@ -66,6 +71,27 @@ pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError
     student.normalizers.goal.set_moments(saved.goal_moments)?;
     student.noise.set_process(&saved.noise);
     Ok(saved.episodes)
+}
+
+/// What [`AgentRow::check_replay`](crate::registry::AgentRow) does.
+pub(crate) fn check_replay(
+    config: &StudentConfig,
+    state: &[u8],
+    steps: u64,
+    folder: &Path,
+) -> Result<(), AgentError> {
+    let saved: Saved = SEAL.open(state).map_err(|error| AgentError::State { source: error.into() })?;
+    // Every episode takes as many steps as every other.
+    let horizon = steps.checked_div(saved.episodes).filter(|horizon| horizon * saved.episodes == steps);
+    let Some(horizon) = horizon.and_then(|horizon| usize::try_from(horizon).ok()).filter(|&n| n > 0) else {
+        let reason = format!("of {} episodes, though {steps} steps were taken", saved.episodes);
+        return if (saved.episodes, steps) == (0, 0) { Ok(()) } else { Err(AgentError::misfit(reason)) };
+    };
+    let [state, goal] = [&saved.state_moments, &saved.goal_moments].map(Moments::width);
+    let dims = Dims { state, goal, action: saved.noise.len() };
+    let kept = (config.replay_capacity / horizon) as u64;
+    let oldest = saved.episodes.saturating_sub(kept);
+    read_all(folder, dims.episode_len(horizon), oldest..saved.episodes, |_, _| {})
 }
 
 #[cfg(test)]

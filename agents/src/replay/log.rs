@@ -6,9 +6,12 @@
 //! episodes reads back the last ones before the n-th, as many as its buffer held; everything after them was
 //! written later and is cut off.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::fs;
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+use guard::files;
 
 use super::Replay;
 use crate::error::{AgentError, LogProblem};
@@ -70,14 +73,14 @@ impl Log {
         replay
             .records
             .resize_with(usize::try_from(stored - oldest).expect("at most the capacity"), Box::default);
-        let mut next = oldest;
-        while next < stored {
-            let end = stored.min((next / SEGMENT + 1) * SEGMENT);
-            load_from_segment(replay, folder, next, end)?;
-            next = end;
-        }
+        let record_len = replay.record_len();
+        read_all(folder, record_len, oldest..stored, |episode, record| {
+            let numbers = record.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+            let slot = replay.slot(episode);
+            replay.records[slot] = numbers.collect();
+        })?;
         replay.stored = stored;
-        cut_off(folder, stored, record_bytes(replay))?;
+        cut_off(folder, stored, record_bytes(record_len))?;
         *self = Self { written: stored, needed: oldest };
         Ok(())
     }
@@ -96,16 +99,16 @@ fn segments(folder: &Path) -> Result<Vec<(PathBuf, u64)>, AgentError> {
         let name = path.file_name().and_then(|name| name.to_str());
         let index =
             name.and_then(|name| name.strip_prefix("episodes-")?.strip_suffix(".bin")?.parse::<u64>().ok());
-        if let Some(index) = index {
-            found.push((path, index * SEGMENT));
+        if let Some(first) = index.and_then(|index| index.checked_mul(SEGMENT)) {
+            found.push((path, first));
         }
     }
     Ok(found)
 }
 
-/// Bytes of an episode in a segment: its record and its checksum.
-fn record_bytes(replay: &Replay) -> u64 {
-    4 * replay.record_len() as u64 + 4
+/// Bytes of an episode in a segment: its record of `record_len` numbers and its checksum.
+fn record_bytes(record_len: usize) -> u64 {
+    4 * record_len as u64 + 4
 }
 
 /// Where `episode` begins in its segment.
@@ -113,14 +116,14 @@ fn offset(episode: u64, record_bytes: u64) -> u64 {
     HEADER + (episode % SEGMENT) * record_bytes
 }
 
-fn header(replay: &Replay, episode: u64) -> Vec<u8> {
+fn header(record_len: usize, episode: u64) -> Vec<u8> {
     let first = episode / SEGMENT * SEGMENT;
-    [&MAGIC[..], &VERSION.to_le_bytes(), &(replay.record_len() as u64).to_le_bytes(), &first.to_le_bytes()]
-        .concat()
+    [&MAGIC[..], &VERSION.to_le_bytes(), &(record_len as u64).to_le_bytes(), &first.to_le_bytes()].concat()
 }
 
 fn append_to_segment(replay: &Replay, folder: &Path, from: u64, to: u64) -> Result<(), AgentError> {
-    let mut bytes = Vec::with_capacity(((to - from) * record_bytes(replay)) as usize);
+    let record_len = replay.record_len();
+    let mut bytes = Vec::with_capacity(((to - from) * record_bytes(record_len)) as usize);
     for episode in from..to {
         let start = bytes.len();
         for number in &replay.records[replay.slot(episode)] {
@@ -131,37 +134,62 @@ fn append_to_segment(replay: &Replay, folder: &Path, from: u64, to: u64) -> Resu
     }
     let path = segment_path(folder, from);
     let write = || -> std::io::Result<()> {
-        let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
-        file.write_all(&header(replay, from))?;
-        file.seek(SeekFrom::Start(offset(from, record_bytes(replay))))?;
+        let mut file = files::update(&path)?;
+        file.write_all(&header(record_len, from))?;
+        file.seek(SeekFrom::Start(offset(from, record_bytes(record_len))))?;
         file.write_all(&bytes)?;
         file.sync_data()
     };
     write().map_err(failed(&path))
 }
 
-fn load_from_segment(replay: &mut Replay, folder: &Path, from: u64, to: u64) -> Result<(), AgentError> {
+/// Hands the record of every one of `episodes`, checked, to `take`. Changes nothing.
+///
+/// # Errors
+/// [`AgentError::Log`] naming the file that is missing, cut short, altered or of another task.
+pub(crate) fn read_all(
+    folder: &Path,
+    record_len: usize,
+    episodes: Range<u64>,
+    mut take: impl FnMut(u64, &[u8]),
+) -> Result<(), AgentError> {
+    let mut next = episodes.start;
+    while next < episodes.end {
+        let end = episodes.end.min((next / SEGMENT + 1) * SEGMENT);
+        read_segment(folder, record_len, next..end, &mut take)?;
+        next = end;
+    }
+    Ok(())
+}
+
+/// The same for episodes of one segment.
+fn read_segment(
+    folder: &Path,
+    record_len: usize,
+    episodes: Range<u64>,
+    take: &mut impl FnMut(u64, &[u8]),
+) -> Result<(), AgentError> {
+    let from = episodes.start;
     let path = segment_path(folder, from);
     let damaged = |what: String| AgentError::Log { path: path.clone(), source: LogProblem::Damaged(what) };
-    let mut file = File::open(&path).map_err(failed(&path))?;
+    let mut file = files::open(&path).map_err(failed(&path))?;
     let mut start = vec![0; HEADER as usize];
     file.read_exact(&mut start).map_err(|_| damaged("is shorter than its header".into()))?;
-    if start != header(replay, from) {
+    if start != header(record_len, from) {
         return Err(damaged("does not begin as a segment of this task's replay log in this version".into()));
     }
-    let size = record_bytes(replay);
+    let size = record_bytes(record_len);
     file.seek(SeekFrom::Start(offset(from, size))).map_err(failed(&path))?;
+    let mut file = BufReader::new(file);
     let mut bytes = vec![0; size as usize];
-    for episode in from..to {
+    for episode in episodes {
         file.read_exact(&mut bytes)
             .map_err(|_| damaged(format!("is cut off before the end of episode {episode}")))?;
         let (record, crc) = bytes.split_at(bytes.len() - 4);
         if crc32fast::hash(record).to_le_bytes() != crc {
             return Err(damaged(format!("the checksum of episode {episode} does not fit: it was altered")));
         }
-        let numbers = record.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        let slot = replay.slot(episode);
-        replay.records[slot] = numbers.collect();
+        take(episode, record);
     }
     Ok(())
 }
@@ -172,7 +200,7 @@ fn cut_off(folder: &Path, stored: u64, record_bytes: u64) -> Result<(), AgentErr
         if first >= stored {
             fs::remove_file(&path).map_err(failed(&path))?;
         } else if stored < first + SEGMENT {
-            let file = OpenOptions::new().write(true).open(&path).map_err(failed(&path))?;
+            let file = files::update(&path).map_err(failed(&path))?;
             file.set_len(offset(stored, record_bytes)).map_err(failed(&path))?;
         }
     }

@@ -18,7 +18,7 @@ use crate::draw::{Draw, Hindsight};
 use crate::episode::Episode;
 use crate::error::AgentError;
 
-pub(crate) use log::Log;
+pub(crate) use log::{Log, read_all};
 
 /// Which part of the buffer to sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,7 +164,7 @@ impl Replay {
 
     /// Numbers per episode.
     fn record_len(&self) -> usize {
-        (self.horizon + 1) * self.step_len() + self.dims.goal
+        self.dims.episode_len(self.horizon)
     }
 
     /// Fills `batch` with transitions drawn uniformly, with replacement, from `source`.

@@ -1,6 +1,5 @@
 //! The file format: gzipped JSON, read strictly.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -111,7 +110,7 @@ impl Meta {
 
 /// Reads and parses a trace file.
 pub(super) fn read(path: &Path) -> Result<Recording, Box<Problem>> {
-    let file = File::open(path).map_err(Problem::Read)?;
+    let file = guard::files::open(path).map_err(Problem::Read)?;
     let mut text = String::new();
     MultiGzDecoder::new(BufReader::new(file)).read_to_string(&mut text).map_err(Problem::Read)?;
     let json = &mut serde_json::Deserializer::from_str(&text);

@@ -85,7 +85,8 @@ impl ProtocolText {
     /// # Errors
     /// [`HarnessError::Io`] if it cannot be read.
     pub(super) fn of_file(path: PathBuf) -> Result<Self, HarnessError> {
-        let text = std::fs::read_to_string(&path).map_err(HarnessError::io(&path, "read this protocol"))?;
+        let text =
+            guard::files::read_to_string(&path).map_err(HarnessError::io(&path, "read this protocol"))?;
         let name = path.display().to_string();
         Ok(Self { flag: format!("--protocol {name}"), name, text })
     }

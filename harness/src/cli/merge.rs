@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 
-use super::{Exit, ExitCode, print};
+use super::{Exit, ExitCode, complain, print};
 use crate::error::HarnessError;
 use crate::merge::merge;
 use crate::outputs;
 
 #[derive(clap::Args)]
+#[command(after_help = "\
+Every run is checked before it is copied. Of several copies of a run the sound one that has come furthest is taken; \
+damaged ones are named. Nothing is written where a run is damaged everywhere, or where copies conflict.")]
 pub(super) struct Args {
     /// Results folders to bring together
     #[arg(required = true, num_args = 1..)]
@@ -29,5 +32,11 @@ pub(super) fn run(args: &Args) -> Exit {
         args.out.display(),
         merged.shared
     ));
+    for reason in merged.damaged {
+        complain(&format!("goalbench: left out, another source has this run whole: {reason}"));
+    }
+    for stray in merged.strays {
+        complain(&format!("goalbench: left out: {stray}"));
+    }
     Ok(ExitCode::Success)
 }

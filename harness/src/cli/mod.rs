@@ -37,6 +37,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
+use guard::text::shown;
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -146,14 +147,14 @@ fn complain_of(error: &HarnessError) {
     complain(&format!("goalbench: {}", chain(error)));
 }
 
-/// Writes to standard output. A reader that went away (`| head`) is no error.
+/// Writes to standard output, where control characters from files and names are shown and not obeyed. A reader that went away (`| head`) is no error.
 fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(shown(text).as_bytes());
 }
 
-/// Writes a line to standard error.
+/// Writes a line to standard error, as [`print`] does.
 fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", shown(text));
 }
 
 type Exit = Result<ExitCode, HarnessError>;

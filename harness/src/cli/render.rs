@@ -140,7 +140,7 @@ fn write_frames(folder: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessErr
     fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
     for (index, (image, _)) in frames.iter().enumerate() {
         let path = folder.join(format!("frame-{index:04}.png"));
-        fs::write(&path, image.to_png()?).map_err(HarnessError::io(&path, "write this file"))?;
+        guard::fresh::write(&path, &image.to_png()?).map_err(HarnessError::io(&path, "write this file"))?;
     }
     Ok(())
 }
@@ -152,7 +152,7 @@ fn write_gif(path: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessError> {
     let unwritable = || HarnessError::io(path, "write this file");
     let file = new_file(folder).map_err(unwritable())?;
     encode_gif(file.as_file(), frames).map_err(|error| unwritable()(std::io::Error::other(error)))?;
-    file.persist(path).map_err(|error| unwritable()(error.error))?;
+    guard::fresh::put(file, path).map_err(unwritable())?;
     Ok(())
 }
 

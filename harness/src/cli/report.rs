@@ -1,12 +1,16 @@
 //! `goalbench report`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reports::ReportOptions;
 use reports::analysis::options::{FEWEST_PAIRS, Failures, MARGIN};
 use reports::stats::Resampling;
+use reports::store::layout;
+use reports::store::problem::StoreProblem;
 
 use super::{Exit, ExitCode, complain, print};
+use crate::error::HarnessError;
+use crate::status::{Activity, RunStatus, status};
 use crate::{Registry, outputs, paper};
 
 #[derive(clap::Args)]
@@ -57,6 +61,18 @@ impl Args {
     }
 }
 
+/// Damaged runs that `problems` do not name: of a run that may go on, records must fit its checkpoint, which
+/// reports do not read.
+fn damaged_besides(results: &Path, problems: &[StoreProblem]) -> Result<Vec<RunStatus>, HarnessError> {
+    let is_named = |run: &RunStatus| {
+        let folder = layout::run_dir(Path::new(""), &run.run);
+        problems.iter().any(|problem| problem.path.starts_with(&folder))
+    };
+    let mut runs = status(results)?.runs;
+    runs.retain(|run| run.activity == Activity::Damaged && !is_named(run));
+    Ok(runs)
+}
+
 pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
     let folder = reports::store::layout::report_dir(&args.results);
     if args.results.is_dir() {
@@ -72,5 +88,9 @@ pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
     for problem in &written.problems {
         complain(&format!("goalbench: {problem}"));
     }
-    Ok(if written.problems.is_empty() { ExitCode::Success } else { ExitCode::Failed })
+    let damaged = damaged_besides(&args.results, &written.problems)?;
+    for run in &damaged {
+        complain(&format!("goalbench: {}: {}", run.run, run.reason.as_deref().unwrap_or("damaged")));
+    }
+    Ok(if written.problems.is_empty() && damaged.is_empty() { ExitCode::Success } else { ExitCode::Failed })
 }

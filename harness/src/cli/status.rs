@@ -3,16 +3,21 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use guard::text::in_line;
+use reports::store::problem::StoreProblem;
 use serde_json::json;
 
-use super::{Exit, ExitCode, print};
-use crate::status::{Activity, RunStatus, status};
+use super::{Exit, ExitCode, complain, print};
+use crate::status::{Activity, Overview, RunStatus, status};
 use crate::sweep::reporter::human;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// Results folder
     results: PathBuf,
+    /// Exit with 1 if a run is damaged, or something lies where only runs belong
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -29,21 +34,31 @@ const ACTIVITIES: [(Activity, &str); 7] = [
 ];
 
 pub(super) fn show(args: &Args) -> Exit {
-    let runs = status(&args.results)?;
+    let Overview { runs, strays } = status(&args.results)?;
+    let named: Vec<String> = strays.iter().map(StoreProblem::to_string).collect();
     if args.json {
         let counts: serde_json::Map<_, _> = ACTIVITIES
             .iter()
             .map(|(activity, name)| ((*name).to_owned(), count(&runs, *activity).into()))
             .collect();
-        print(&format!("{:#}\n", json!({ "counts": counts, "runs": runs })));
+        print(&format!("{:#}\n", json!({ "counts": counts, "runs": runs, "strays": named })));
     } else {
         print(&as_text(&runs));
     }
-    Ok(ExitCode::Success)
+    for stray in &named {
+        complain(&format!("goalbench: {stray}"));
+    }
+    let is_sound = named.is_empty() && count(&runs, Activity::Damaged) == 0;
+    Ok(if is_sound || !args.strict { ExitCode::Success } else { ExitCode::Failed })
 }
 
 fn count(runs: &[RunStatus], activity: Activity) -> usize {
     runs.iter().filter(|run| run.activity == activity).count()
+}
+
+/// `seconds` for people; a file may tell of more than there ever will be.
+fn time(seconds: f64) -> String {
+    Duration::try_from_secs_f64(seconds).map_or("?".to_owned(), human)
 }
 
 fn as_text(runs: &[RunStatus]) -> String {
@@ -57,10 +72,10 @@ fn as_text(runs: &[RunStatus]) -> String {
         let number = |value: Option<f64>, digits: usize| {
             value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
         };
-        let left = run.left_s.map_or("-".to_owned(), |left| human(Duration::from_secs_f64(left)));
+        let left = run.left_s.map_or("-".to_owned(), time);
         text += &format!(
             "{:<52} {state:<9} {:>17} {:>8} {:>8} {left:>8}",
-            run.run.to_string(),
+            in_line(&run.run.to_string()),
             format!("{}/{}", run.step, run.steps),
             number(run.success_rate, 2),
             number(run.steps_per_s, 0),
@@ -69,7 +84,7 @@ fn as_text(runs: &[RunStatus]) -> String {
             text += &format!("  {} crashes", run.crashes);
         }
         if let Some(reason) = &run.reason {
-            text += &format!("  {reason}");
+            text += &format!("  {}", in_line(reason));
         }
         text.push('\n');
     }
@@ -83,7 +98,7 @@ fn as_text(runs: &[RunStatus]) -> String {
     let left: f64 = runs.iter().filter_map(|run| run.left_s).sum();
     if !running.is_empty() && left > 0.0 {
         let speed: f64 = running.iter().filter_map(|run| run.steps_per_s).sum();
-        let left = human(Duration::from_secs_f64(left / running.len() as f64));
+        let left = time(left / running.len() as f64);
         text += &format!("; {speed:.0} steps/s together, about {left} left for what has begun");
     }
     text + "\n"

@@ -5,11 +5,10 @@
 //! in the log beside it, which only grows. The file is replaced atomically after the log is written, so that
 //! it fits the log whenever the process dies.
 
-use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use agents::Seal;
+use agents::{Seal, SealError};
 use reports::schema::Manifest;
 use reports::store::checksums::is_hash_of;
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
@@ -17,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::folder::Extent;
 use super::state::TrainerState;
+use crate::error::HarnessError;
 use crate::files::new_file;
 
 const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
@@ -46,6 +46,14 @@ pub enum CheckpointError {
         /// Why it failed.
         source: std::io::Error,
     },
+    /// A program of another version wrote it.
+    #[error("{path}: {source}")]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Which version.
+        source: SealError,
+    },
     /// It is not what was written.
     #[error("{path}: {reason}; delete this run's folder to train it anew")]
     Damaged {
@@ -54,6 +62,18 @@ pub enum CheckpointError {
         /// What is wrong.
         reason: String,
     },
+}
+
+impl From<CheckpointError> for HarnessError {
+    fn from(error: CheckpointError) -> Self {
+        let (path, reason) = match error {
+            CheckpointError::Io { path, action, source } => return Self::Io { path, action, source },
+            CheckpointError::Version { path, source } => (path, source.to_string()),
+            CheckpointError::Damaged { path, reason } => (path, reason),
+        };
+        let reason = format!("{reason}; delete this run's folder to train it anew");
+        Self::Damaged { path, reason }
+    }
 }
 
 /// Replaces the checkpoint in `folder`, whole or not at all.
@@ -66,7 +86,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
     let mut file = new_file(folder).map_err(io)?;
     file.write_all(&SEAL.close(checkpoint)).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
-    file.persist(&path).map_err(|error| io(error.error))?;
+    guard::fresh::put(file, &path).map_err(io)?;
     Ok(())
 }
 
@@ -74,17 +94,19 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointErr
 /// the run's present budget.
 ///
 /// # Errors
-/// [`CheckpointError::Damaged`] if it is cut off, altered, of another version or of another config.
+/// [`CheckpointError::Damaged`] if it is cut off, altered or of another config; [`CheckpointError::Version`].
 pub fn read(folder: &Path, manifest: &Manifest) -> Result<Option<Checkpoint>, CheckpointError> {
     let path = folder.join(CHECKPOINT);
-    let bytes = match fs::read(&path) {
+    let bytes = match guard::files::read(&path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),
     };
-    let checkpoint: Checkpoint = SEAL
-        .open(&bytes)
-        .map_err(|error| CheckpointError::Damaged { path: path.clone(), reason: error.to_string() })?;
+    let checkpoint: Checkpoint = match SEAL.open(&bytes) {
+        Ok(checkpoint) => checkpoint,
+        Err(source @ SealError::Version { .. }) => return Err(CheckpointError::Version { path, source }),
+        Err(error) => return Err(CheckpointError::Damaged { path, reason: error.to_string() }),
+    };
     if !is_hash_of(&checkpoint.run, manifest) {
         return Err(CheckpointError::Damaged {
             path,

@@ -1,16 +1,17 @@
 //! Holding a folder: a results folder for one sweep, a run's folder for one worker.
 
-use std::fs::{self, TryLockError};
+use std::fs::{self, File, TryLockError};
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
+
+use guard::files;
+use reports::store::layout::LOCK;
 
 use crate::error::HarnessError;
 
-/// Name of the file that a [`Lock`] is on.
-const LOCK: &str = ".lock";
-
 /// Holds a folder for one process. Released when dropped or when the process ends, however it ends.
 pub struct Lock {
-    _file: fs::File,
+    _file: File,
 }
 
 impl Lock {
@@ -19,14 +20,19 @@ impl Lock {
     /// # Errors
     /// [`HarnessError::Locked`] if another process has it, [`HarnessError::Io`] if it cannot be written.
     pub fn take(folder: &Path) -> Result<Self, HarnessError> {
-        fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
-        let path = folder.join(LOCK);
-        let file = fs::File::create(&path).map_err(HarnessError::io(folder, "write in this folder"))?;
-        match file.try_lock() {
-            Ok(()) => Ok(Self { _file: file }),
-            Err(TryLockError::WouldBlock) => Err(HarnessError::Locked { folder: folder.to_owned() }),
-            Err(TryLockError::Error(source)) => {
-                Err(HarnessError::Io { path, action: "lock this file", source })
+        loop {
+            fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+            let path = folder.join(LOCK);
+            let unusable = || HarnessError::io(&path, "lock this file");
+            let file = files::update(&path).map_err(unusable())?;
+            match file.try_lock() {
+                // Whoever had it may have removed it, folder and all: then this is nobody's file any more.
+                Ok(()) if file.metadata().map_err(unusable())?.nlink() == 0 => {}
+                Ok(()) => return Ok(Self { _file: file }),
+                Err(TryLockError::WouldBlock) => {
+                    return Err(HarnessError::Locked { folder: folder.to_owned() });
+                }
+                Err(TryLockError::Error(source)) => return Err(unusable()(source)),
             }
         }
     }
@@ -35,6 +41,6 @@ impl Lock {
 /// Whether some process holds `folder`. Looking takes a shared lock for a moment, so that two processes that
 /// look at the same time do not take each other for a holder.
 pub fn is_locked(folder: &Path) -> bool {
-    fs::File::open(folder.join(LOCK))
+    files::open(&folder.join(LOCK))
         .is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }

@@ -6,7 +6,7 @@ use agents::Agent;
 use envs::{EnvOptions, GoalEnv, Spec};
 use reports::schema::{Manifest, RunKey};
 
-use super::checkpoint::{self, CHECKPOINT, CheckpointError};
+use super::checkpoint::{self, CHECKPOINT};
 use super::folder;
 use super::state::TrainerState;
 use crate::Registry;
@@ -30,7 +30,7 @@ impl Policy {
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;
-        let saved = checkpoint::read(folder, &manifest).map_err(unreadable)?;
+        let saved = checkpoint::read(folder, &manifest)?;
         let saved = saved.ok_or_else(|| HarnessError::Missing {
             path: folder.join(CHECKPOINT),
             reason: "is missing: the run has not come to its first checkpoint yet, or has lost it".into(),
@@ -85,15 +85,5 @@ impl Policy {
 
     fn unusable<E: Into<Cause>>(&self, action: &'static str) -> impl FnOnce(E) -> HarnessError {
         HarnessError::unusable(self.folder.display(), action)
-    }
-}
-
-fn unreadable(error: CheckpointError) -> HarnessError {
-    match error {
-        CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
-        CheckpointError::Damaged { path, reason } => HarnessError::Damaged {
-            path,
-            reason: format!("{reason}; delete this run's folder to train it anew"),
-        },
     }
 }

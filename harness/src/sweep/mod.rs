@@ -130,6 +130,8 @@ impl Sweep {
         let lock = Lock::take(&self.results)?;
         self.look()?;
         cell::forget_unbegun(&self.results, &self.jobs)?;
+        // What earlier sweeps left half-written when they were killed.
+        self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
         for job in &mut self.jobs {
             if let State::Shorter(_) = job.state {
                 folder::extend(&job.folder, &job.manifest)?;

@@ -129,7 +129,7 @@ pub(super) fn submit(
     write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let script = folder.join("task.sh");
     let text = script_text(&this_program()?, &list)?;
-    fs::write(&script, text).map_err(HarnessError::io(&script, "write this file"))?;
+    guard::fresh::write(&script, text.as_bytes()).map_err(HarnessError::io(&script, "write this file"))?;
     let count = tasks.tasks.len();
     let job = match sbatch(&script, &folder, count, request) {
         Ok(job) => job,
@@ -141,7 +141,7 @@ pub(super) fn submit(
         }
     };
     let path = folder.join(JOB);
-    fs::write(&path, &job).map_err(HarnessError::io(&path, "write this file"))?;
+    guard::fresh::write(&path, job.as_bytes()).map_err(HarnessError::io(&path, "write this file"))?;
     Ok(Some(Submitted { job, tasks: count }))
 }
 
@@ -149,7 +149,7 @@ pub(super) fn submit(
 pub(super) fn check_queue(results: &Path) -> Result<(), HarnessError> {
     let Ok(entries) = fs::read_dir(results.join(FOLDER)) else { return Ok(()) };
     for entry in entries.flatten() {
-        let Ok(id) = fs::read_to_string(entry.path().join(JOB)) else { continue };
+        let Ok(id) = guard::files::read_to_string(&entry.path().join(JOB)) else { continue };
         let queue = Command::new("squeue").arg("--noheader").arg(format!("--jobs={}", id.trim())).output();
         // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =

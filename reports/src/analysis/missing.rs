@@ -7,14 +7,16 @@ use crate::analysis::complete;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
-use crate::schema::{Outcome, Record};
+use crate::schema::{Outcome, Record, RunKey};
 use crate::store::Run;
 
 /// Everything that a report lacks.
 pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     let groups = analysis.groups;
-    let mut lacking = runs(&groups.all, &groups.compared_groups());
-    lacking.extend(runs(&groups.all, &groups.variant_groups()));
+    let waiting = waiting(analysis);
+    let mut lacking = runs(&groups.all, &waiting, &groups.compared_groups());
+    lacking.extend(runs(&groups.all, &waiting, &groups.variant_groups()));
+    lacking.extend(without_a_group(&groups.all, &waiting));
     lacking.extend(of_the_paper(&groups.all, analysis.catalogue()));
     lacking.extend(sums(analysis));
     for (axis, ablations) in analysis.paper().axes.iter().zip(&analysis.ablations) {
@@ -105,8 +107,9 @@ fn timings(analysis: &Analysis<'_>) -> Vec<String> {
 /// to have every method among them, and every method the seeds that any run of `all` has. `groups` come in
 /// order; those that stand for their method and those that are variants of one are asked about apart, for
 /// ablations may be run in fewer environments.
-fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
-    let seeds: BTreeSet<u64> = all.iter().flat_map(|group| &group.runs).map(|run| run.key().seed).collect();
+fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
+    let seeds = all.iter().chain(waiting).flat_map(|group| &group.runs).map(|run| run.key().seed);
+    let seeds: BTreeSet<u64> = seeds.collect();
     let mut methods: Vec<&GroupKey> = groups.iter().map(|group| &group.key).collect();
     methods.sort_by(|a, b| a.cmp_method(b));
     methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
@@ -119,24 +122,55 @@ fn runs(all: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<String> {
                 missing.push(format!("{id}: {name} has no evaluation"));
                 continue;
             };
-            let has = |seed: &&u64| group.runs.iter().all(|run| run.key().seed != **seed);
+            let waiting = waiting.iter().find(|other| other.key == group.key);
+            let waiting: &[&Run] = waiting.map_or(&[], |waiting| &waiting.runs);
+            let all = || group.runs.iter().chain(waiting);
+            let has = |seed: &&u64| all().all(|run| run.key().seed != **seed);
             let lacking: Vec<String> = seeds.iter().filter(has).map(u64::to_string).collect();
             if !lacking.is_empty() {
                 let seeds = if lacking.len() == 1 { "seed" } else { "seeds" };
                 missing.push(format!("{id}: {name} lacks {seeds} {}", lacking.join(", ")));
             }
-            let count = |of_it: fn(&Run) -> bool| group.runs.iter().filter(|run| of_it(run)).count();
+            let count = |of_it: fn(&Run) -> bool| all().filter(|run| of_it(run)).count();
             let failed = |run: &Run| matches!(run.outcome, Some(Outcome::Failed { .. }));
             for (count, what) in
                 [(count(|run| run.outcome.is_none()), "not finished"), (count(failed), "failed")]
             {
                 if count > 0 {
-                    missing.push(format!("{id}: {name}: {count} of {} runs {what}", group.runs.len()));
+                    missing.push(format!("{id}: {name}: {count} of {} runs {what}", all().count()));
                 }
+            }
+            if !waiting.is_empty() {
+                let seeds: Vec<String> = waiting.iter().map(|run| run.key().seed.to_string()).collect();
+                missing.push(format!("{id}: {name}: no evaluation yet of seeds {}", seeds.join(", ")));
             }
         }
     }
     missing
+}
+
+/// Runs that were planned and have no evaluation yet, grouped as those that have one.
+fn waiting<'a>(analysis: &Analysis<'a>) -> Vec<Group<'a>> {
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for run in analysis.store.runs().iter().filter(|run| run.records.is_empty()) {
+        let RunKey { environment, curriculum, variant, .. } = run.key();
+        let key = GroupKey::new(analysis.catalogue(), environment, curriculum, variant);
+        match groups.iter_mut().find(|group| group.key == key) {
+            Some(group) => group.runs.push(run),
+            None => groups.push(Group { key, runs: vec![run] }),
+        }
+    }
+    groups
+}
+
+/// Groups of runs without an evaluation whose environment or method has none anywhere.
+fn without_a_group(all: &[Group<'_>], waiting: &[Group<'_>]) -> Vec<String> {
+    let is_asked_for = |key: &GroupKey| {
+        all.iter().any(|group| group.key.environment == key.environment)
+            && all.iter().any(|group| group.key.cmp_method(key).is_eq())
+    };
+    let silent = waiting.iter().map(|group| &group.key).filter(|key| !is_asked_for(key));
+    silent.map(|key| format!("{}: {} has no evaluation", key.environment, key.name())).collect()
 }
 
 /// How many runs of `all` do not tell the success at any step in each of their evaluations; `None` if all do.

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{ErrorKind, Write as _};
-use std::os::unix::fs::PermissionsExt as _;
+use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
+use guard::fresh;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
 use crate::error::ReportError;
@@ -39,6 +39,8 @@ pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>,
     let before = listed(&folder.join(LIST))?;
     let mut now: BTreeSet<PathBuf> = files.iter().map(|(name, _)| name.clone()).collect();
     now.insert(LIST.into());
+    let folders: BTreeSet<&Path> = now.iter().filter_map(|name| name.parent()).collect();
+    folders.iter().for_each(|name| fresh::sweep(&folder.join(name)));
     // A report that is broken off halfway leaves files of both.
     write_list(folder, before.union(&now))?;
     let mut written = Vec::with_capacity(now.len());
@@ -64,7 +66,7 @@ pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>,
 /// The files named in the list at `path`; none if there is no list. Names that lead out of the folder are no
 /// names of ours.
 fn listed(path: &Path) -> Result<BTreeSet<PathBuf>, ReportError> {
-    let text = match fs::read(path) {
+    let text = match guard::files::read(path) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
         Err(error) => return Err(ReportError::io(path, "read this file")(error)),
@@ -81,21 +83,12 @@ fn write_list<'a>(folder: &Path, names: impl Iterator<Item = &'a PathBuf>) -> Re
     replace(&folder.join(LIST), lines.as_bytes())
 }
 
-const WRITE: &str = "write this file";
-
 /// Writes `bytes`, readable as any new file is, to a new file beside `path`, then renames it: readers see the
 /// old or the new file, never half.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(ReportError::io(folder, "create this folder"))?;
-    let mut file = tempfile::Builder::new()
-        .prefix(".report-")
-        .permissions(fs::Permissions::from_mode(0o666))
-        .tempfile_in(folder)
-        .map_err(ReportError::io(folder, "write into this folder"))?;
-    file.write_all(bytes).map_err(ReportError::io(path, WRITE))?;
-    file.persist(path).map_err(|error| ReportError::io(path, WRITE)(error.error))?;
-    Ok(())
+    fresh::write(path, bytes).map_err(ReportError::io(path, "write this file"))
 }
 
 #[cfg(test)]

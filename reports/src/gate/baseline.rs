@@ -1,7 +1,6 @@
 //! The baseline: what a protocol's runs looked like when all was well, complete in one small file.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -114,7 +113,7 @@ impl Baseline {
     /// # Errors
     /// [`GateError`] if it is of another schema, or inconsistent in itself, with how to renew it.
     pub fn read(path: &Path) -> Result<Self, GateError> {
-        let text = fs::read_to_string(path).map_err(StoreError::io(path, "read this baseline"))?;
+        let text = guard::files::read_to_string(path).map_err(StoreError::io(path, "read this baseline"))?;
         Self::parse(&text, path)
     }
 

@@ -68,6 +68,8 @@ impl<'a> Loader<'a> {
             Fault::Schema { found: manifest.schema, expected: SCHEMA }
         } else if self.folder.check_place(&manifest).is_err() {
             Fault::Misplaced { found: manifest.run }
+        } else if manifest.run.to_string().contains(char::is_control) {
+            Fault::Unprintable
         } else {
             return Some(manifest);
         };

@@ -23,7 +23,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 pub use error::StoreError;
-pub use results::Results;
+pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use teaching::teaching;
 
@@ -70,14 +70,12 @@ impl Store {
     /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
     /// below that is a [`StoreProblem`].
     pub fn read(results: &Path) -> Result<Self, StoreError> {
-        if !results.is_dir() {
-            return Err(StoreError::NotFound { path: results.to_owned() });
-        }
-        if !layout::runs_dir(results).is_dir() {
-            return Err(StoreError::NotResults { path: results.to_owned() });
-        }
         let folder = Results::new(results);
-        let (folders, mut problems) = folder.survey();
+        let Survey { runs: folders, lost, strays: mut problems } = folder.survey()?;
+        problems.extend(lost.iter().map(|run| {
+            let path = folder.relative(run.path()).to_owned();
+            StoreProblem { path, line: None, fault: Fault::NoManifest }
+        }));
         if folders.is_empty() && problems.is_empty() {
             return Err(StoreError::NotResults { path: results.to_owned() });
         }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use guard::text::in_line;
+
 use crate::schema::RunKey;
 
 /// Something wrong at one place of a results folder. The rest of the folder is used all the same.
@@ -17,11 +19,12 @@ pub struct StoreProblem {
 
 impl std::fmt::Display for StoreProblem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        // Names and words of files may hold anything; a problem is one line.
+        write!(f, "{}", in_line(&self.path.display().to_string()))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        write!(f, ": {}", self.fault)
+        write!(f, ": {}", in_line(&self.fault.to_string()))
     }
 }
 
@@ -36,7 +39,7 @@ pub enum Fault {
         expected: &'static str,
     },
     /// The folder of a run without its manifest.
-    #[error("no manifest.json, run ignored")]
+    #[error("its manifest.json is missing, run left out")]
     NoManifest,
     /// A file that cannot be read.
     #[error("cannot be read: {reason}")]
@@ -83,6 +86,9 @@ pub enum Fault {
         /// Run named by the manifest.
         found: RunKey,
     },
+    /// A run whose name cannot be shown: no figure can hold control characters.
+    #[error("its name has control characters, run left out")]
+    Unprintable,
     /// An evaluation of another run.
     #[error("evaluation of {found}, ignored; the manifest here says {expected}")]
     Foreign {

@@ -23,41 +23,39 @@ impl Results {
         Self { path: path.into() }
     }
 
-    /// The folders of all runs that have begun, by path.
+    /// Looks for everything that lies below `runs/`. A folder in which no run has begun yet is passed over.
     ///
     /// # Errors
-    /// [`StoreError::Io`] if a folder cannot be read.
-    pub fn runs(&self) -> Result<Vec<RunFolder>, StoreError> {
-        let mut runs = Vec::new();
-        for entry in self.walk() {
-            if let Place::Run(folder) = entry?
-                && folder.has(layout::MANIFEST)
-            {
-                runs.push(folder);
-            }
+    /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if this is no results folder. What cannot be
+    /// read below is named in the survey.
+    pub fn survey(&self) -> Result<Survey, StoreError> {
+        if !self.path.is_dir() {
+            return Err(StoreError::NotFound { path: self.path.clone() });
         }
-        Ok(runs)
-    }
-
-    /// The same for readers that use what is sound: runs, and what else lies about under `runs/`.
-    pub(super) fn survey(&self) -> (Vec<RunFolder>, Vec<StoreProblem>) {
-        let (mut runs, mut problems) = (Vec::new(), Vec::new());
+        if !layout::runs_dir(&self.path).is_dir() {
+            return Err(StoreError::NotResults { path: self.path.clone() });
+        }
+        let mut found = Survey::default();
         for entry in self.walk() {
             let (path, fault) = match entry {
-                Ok(Place::Run(folder)) if folder.has(layout::MANIFEST) => {
-                    runs.push(folder);
+                Ok(Place::Run(folder)) => {
+                    match folder.leftover() {
+                        _ if folder.has(layout::MANIFEST) => found.runs.push(folder),
+                        Some(_) => found.lost.push(folder),
+                        None => {}
+                    }
                     continue;
                 }
-                Ok(Place::Run(folder)) => (folder.path().to_owned(), Fault::NoManifest),
                 Ok(Place::Stray(path)) => (path, Fault::Stray { expected: BELOW_RUNS }),
                 Err(StoreError::Io { path, source, .. }) => {
                     (path, Fault::Unreadable { reason: source.to_string() })
                 }
                 Err(error) => (error.path().to_owned(), Fault::Unreadable { reason: error.to_string() }),
             };
-            problems.push(StoreProblem { path: self.relative(&path).to_owned(), line: None, fault });
+            let path = self.relative(&path).to_owned();
+            found.strays.push(StoreProblem { path, line: None, fault });
         }
-        (runs, problems)
+        Ok(found)
     }
 
     /// What lies where a run belongs, and what belongs nowhere, by path. Hidden files (of editors and file
@@ -89,6 +87,17 @@ impl Results {
     pub(super) fn relative<'a>(&self, path: &'a Path) -> &'a Path {
         path.strip_prefix(&self.path).unwrap_or(path)
     }
+}
+
+/// What a results folder holds, by path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// The folders of all runs that have begun.
+    pub runs: Vec<RunFolder>,
+    /// The folders of runs whose manifest is gone, though other files of theirs are there.
+    pub lost: Vec<RunFolder>,
+    /// What is no run, such as a copied folder `seed-0 (copy)`, or cannot be read.
+    pub strays: Vec<StoreProblem>,
 }
 
 /// What lies below `runs/`.

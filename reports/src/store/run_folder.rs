@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use guard::files;
 use serde::de::DeserializeOwned;
 
 use super::error::StoreError;
@@ -87,6 +88,12 @@ impl RunFolder {
         self.file(name).exists()
     }
 
+    /// One of the files that a run leaves beside its manifest; `None` in a folder in which no run has begun.
+    pub fn leftover(&self) -> Option<&'static str> {
+        let names = layout::FILES.iter().map(|row| row.name);
+        names.filter(|name| ![layout::MANIFEST, layout::LOCK].contains(name)).find(|name| self.has(name))
+    }
+
     /// The run whose place in a results folder this is; `None` if it lies elsewhere.
     pub fn key(&self) -> Option<RunKey> {
         layout::key_at(&self.path)
@@ -152,7 +159,7 @@ impl RunFolder {
     /// The last complete line of the file of `T`, for onlookers: a line that is being written does not count
     /// yet. `None` if there is none, or it cannot be read.
     pub fn last<T: JsonLine>(&self) -> Option<T> {
-        let bytes = fs::read(self.file(T::FILE)).ok()?;
+        let bytes = files::read(&self.file(T::FILE)).ok()?;
         let complete = &bytes[..bytes.iter().rposition(|&byte| byte == b'\n')?];
         serde_json::from_slice(complete.rsplit(|&byte| byte == b'\n').next()?).ok()
     }
@@ -174,7 +181,7 @@ impl RunFolder {
         let mut line = serde_json::to_vec(&crash).expect("a crash is plain data");
         line.push(b'\n');
         let path = self.file(layout::CRASHES);
-        let file = fs::OpenOptions::new().create(true).append(true).open(&path);
+        let file = files::append(&path);
         file.and_then(|mut file| file.write_all(&line)).map_err(StoreError::io(path, "write this file"))
     }
 
@@ -192,7 +199,7 @@ impl RunFolder {
     /// [`StoreError::Io`] if it cannot be read, or is not there.
     pub fn sha256(&self, name: &str) -> Result<String, StoreError> {
         let path = self.file(name);
-        let bytes = fs::read(&path).map_err(StoreError::io(path, "read this file"))?;
+        let bytes = files::read(&path).map_err(StoreError::io(path, "read this file"))?;
         Ok(digest::sha256(&bytes))
     }
 
@@ -240,12 +247,12 @@ impl RunFolder {
 /// Copies a file, or a folder of files.
 fn copy(from: &Path, to: &Path) -> io::Result<()> {
     if !from.is_dir() {
-        return fs::copy(from, to).map(drop);
+        return files::copy(from, to);
     }
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
         let entry = entry?;
-        fs::copy(entry.path(), to.join(entry.file_name()))?;
+        files::copy(&entry.path(), &to.join(entry.file_name()))?;
     }
     Ok(())
 }
@@ -262,7 +269,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, StoreErr
 
 /// Reads a file that is written later or not at all.
 fn read_optional(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match fs::read(path) {
+    match files::read(path) {
         Ok(bytes) => Ok(Some(bytes)),
         // A path that leads through a file is told when the folder is to be created.
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),

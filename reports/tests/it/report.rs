@@ -150,6 +150,29 @@ fn what_is_missing_is_said() {
 }
 
 #[test]
+fn runs_without_an_evaluation_are_counted() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    write_run(path, &key("RoomA", "nova", "default", 0), &[0.0, 1.0]);
+    let begun = [("nova", 1, 1), ("nova", 2, 0), ("nova", 3, 0), ("nova", 4, 0), ("wren", 0, 0)];
+    for (curriculum, seed, evaluations) in begun {
+        let folder = write_run(path, &key("RoomA", curriculum, "default", seed), &[0.0][..evaluations]);
+        for name in [layout::OUTCOME, layout::CHECKSUMS] {
+            fs::remove_file(folder.join(name)).unwrap();
+        }
+    }
+    let missing = reports::write(path, &options()).unwrap().missing;
+    for text in [
+        "RoomA: NOVA: 4 of 5 runs not finished",
+        "RoomA: NOVA: no evaluation yet of seeds 2, 3, 4",
+        "RoomA: WREN has no evaluation",
+    ] {
+        assert!(missing.iter().any(|other| other == text), "{text}: {missing:#?}");
+    }
+    assert!(!missing.iter().any(|text| text.contains("lacks seed")), "{missing:#?}");
+}
+
+#[test]
 fn the_same_results_give_the_same_bytes() {
     let experiment = Experiment {
         environments: vec!["RoomB".into(), "RoomA".into()],

@@ -204,7 +204,7 @@ fn manifests_are_checked() {
     assert_eq!(left, [0; 0]);
 
     let (problems, _) = damaged(|folder| fs::remove_file(folder.join(MANIFEST)).unwrap());
-    assert_eq!(problems, [format!("{FOLDER}: no manifest.json, run ignored")]);
+    assert_eq!(problems, [format!("{FOLDER}: its manifest.json is missing, run left out")]);
 }
 
 #[test]
@@ -269,7 +269,7 @@ fn a_copy_of_a_run_is_no_run() {
         for name in [MANIFEST, RECORDS] {
             fs::copy(folder.join(name), copy.join(name)).unwrap();
         }
-        let runs = Results::new(folder.ancestors().nth(5).unwrap()).runs().unwrap();
+        let runs = Results::new(folder.ancestors().nth(5).unwrap()).survey().unwrap().runs;
         assert_eq!(runs, [RunFolder::new(folder)]);
     };
     let (problems, left) = damaged(copied);

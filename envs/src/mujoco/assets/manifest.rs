@@ -3,7 +3,6 @@
 //! One changed digit in a model changes every trajectory without any other sign, so files are compared with
 //! the digests of those that the recordings were made with.
 
-use std::fs;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -29,7 +28,8 @@ pub(super) fn check(folder: &Path, family: &str) -> Result<(), EnvError> {
         let path = folder.join(name);
         let broken =
             |reason: &str, source| EnvError::Asset { path: path.clone(), reason: reason.into(), source };
-        let content = fs::read(&path).map_err(|error| broken("cannot be read", Some(error.into())))?;
+        let content =
+            guard::files::read(&path).map_err(|error| broken("cannot be read", Some(error.into())))?;
         if hex(&Sha256::digest(content)) != digest {
             return Err(broken("its content is not that of gymnasium-robotics 1.4.2", None));
         }

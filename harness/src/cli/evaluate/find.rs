@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use reports::schema::RunKey;
-use reports::store::{Results, RunFolder, layout};
+use reports::store::{Results, RunFolder, Survey, layout};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -28,6 +28,8 @@ pub(super) struct Chosen {
     pub(super) subjects: Vec<Subject>,
     /// Why other runs of results folders are not among them.
     pub(super) left_out: Vec<HarnessError>,
+    /// What lies where runs belong and is none, in a line each.
+    pub(super) strays: Vec<String>,
 }
 
 /// The runs that `paths` stand for.
@@ -36,7 +38,7 @@ pub(super) struct Chosen {
 /// [`HarnessError`] if a path is neither a run nor a results folder, or a run given by itself has no policy
 /// or is damaged.
 pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, HarnessError> {
-    let mut chosen = Chosen { subjects: Vec::new(), left_out: Vec::new() };
+    let mut chosen = Chosen { subjects: Vec::new(), left_out: Vec::new(), strays: Vec::new() };
     let mut seen = BTreeSet::new();
     for path in paths {
         let place = absolute(path)?;
@@ -52,7 +54,9 @@ pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, Har
             let results = results_of(&place, &run).unwrap_or(&place).to_owned();
             add(Subject { folder: path.clone(), results, named: true, run })?;
         } else if layout::runs_dir(path).is_dir() {
-            for folder in Results::new(path).runs()? {
+            let Survey { runs, lost, strays } = Results::new(path).survey()?;
+            chosen.strays.extend(strays.iter().map(|stray| format!("{}: {stray}", path.display())));
+            for folder in runs.into_iter().chain(lost) {
                 match within(&place, &folder) {
                     Ok(subject) => add(subject)?,
                     Err(error) => chosen.left_out.push(error),

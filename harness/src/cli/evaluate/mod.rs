@@ -11,7 +11,7 @@ use envs::rng::{Purpose, stream};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use reports::schema::RunKey;
-use reports::store::cells::OddOne;
+use reports::store::cells::{CellMember, OddOne, odd_ones};
 use serde_json::Value;
 
 use super::flags::JobsFlag;
@@ -28,9 +28,9 @@ Each run's greedy policy as of its last checkpoint plays the same episodes: thei
 environment, --seed and number alone, and no training run's own evaluations meet them. Nothing is written, and runs may \
 be in progress.
 
-Runs of a results folder that have no policy yet or are damaged are left out and named. Exit code 1 if no run could be \
-evaluated, one given by itself broke down, or seeds of one environment, curriculum and variant have different configs: \
-no mean is taken over those.")]
+Means are over seeds of one config: a run whose config differs from that of its cell is in none. Runs of a results \
+folder that have no policy yet or are damaged are left out and named. Exit code 1 if a run is damaged or differs, \
+none could be evaluated, or one given by itself broke down.")]
 pub(super) struct Args {
     /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
     #[arg(required = true, value_name = "PATH")]
@@ -54,17 +54,19 @@ struct Measured {
     /// The results folder that the run belongs to.
     results: PathBuf,
     run: RunKey,
-    /// Its complete config.
+    /// The run's complete config.
     config: Value,
     /// Training steps behind the policy.
     step: u64,
     /// Training steps of the whole run.
     steps: u64,
+    /// Whether its cell has another config.
+    is_odd: bool,
     tally: Tally,
 }
 
 pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
-    let Chosen { subjects, mut left_out } = find(registry, &args.paths)?;
+    let Chosen { subjects, mut left_out, strays } = find(registry, &args.paths)?;
     let outcomes = measure_all(registry, &subjects, args)?;
     let (mut measured, mut broken) = (Vec::new(), false);
     for (subject, outcome) in subjects.iter().zip(outcomes) {
@@ -76,17 +78,18 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
             }
         }
     }
+    let odd = odd_ones_of(&mut measured);
     if args.json {
         print(&output::as_json(&measured, args.seed));
     } else if !measured.is_empty() {
         print(&output::as_text(&measured));
     }
-    let odd = output::odd_ones(&measured);
-    for OddOne { run, other, pointer } in &odd {
-        complain(&format!(
-            "goalbench: {run}: left out of the mean, because its config differs from that of {other} at `{pointer}`: seeds \
-             of one cell differ in nothing else"
-        ));
+    for reason in &odd {
+        complain(&format!("goalbench: in no mean: {reason}"));
+    }
+    let is_damaged = left_out.iter().any(HarnessError::is_damage);
+    for stray in strays {
+        complain(&format!("goalbench: left out: {stray}"));
     }
     for error in left_out {
         complain(&format!("goalbench: left out: {}", chain(&error)));
@@ -94,7 +97,25 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     if measured.is_empty() {
         complain("goalbench: no run was evaluated");
     }
-    Ok(if measured.is_empty() || broken || !odd.is_empty() { ExitCode::Failed } else { ExitCode::Success })
+    Ok(if measured.is_empty() || broken || is_damaged || !odd.is_empty() {
+        ExitCode::Failed
+    } else {
+        ExitCode::Success
+    })
+}
+
+/// Marks the runs that are not configured as their cell is, and says in a line each how they differ.
+fn odd_ones_of(measured: &mut [Measured]) -> Vec<String> {
+    let mut reasons = Vec::new();
+    for section in measured.chunk_by_mut(|a, b| a.results == b.results) {
+        let members =
+            section.iter().map(|one| CellMember { run: &one.run, config: &one.config, has_begun: true });
+        for OddOne { run, other, pointer } in odd_ones(members) {
+            reasons.push(format!("{run}: config differs from that of {other} at `{pointer}`"));
+            section.iter_mut().filter(|one| one.run == run).for_each(|one| one.is_odd = true);
+        }
+    }
+    reasons
 }
 
 /// Evaluates all, some of them at a time; the answers are in the order of `subjects`.
@@ -141,6 +162,7 @@ fn measure(
         config: policy.manifest().config.clone(),
         step: policy.step(),
         steps: policy.steps(),
+        is_odd: false,
         tally,
     })
 }

@@ -2,7 +2,6 @@
 
 use reports::schema::RunKey;
 use reports::stats::{Ddof, mean, std_dev, wilson_interval};
-use reports::store::cells::{self, CellMember, OddOne};
 use serde::Serialize;
 
 use super::Measured;
@@ -94,27 +93,11 @@ fn table(measured: &[Measured]) -> String {
     text
 }
 
-/// The runs that are not configured as others of their cell in the same results folder are, each results
-/// folder by itself.
-pub(super) fn odd_ones(measured: &[Measured]) -> Vec<OddOne> {
-    let sections = measured.chunk_by(|a, b| a.results == b.results);
-    let members = |section: &'_ [Measured]| {
-        cells::odd_ones(section.iter().map(|one| CellMember {
-            run: &one.run,
-            config: &one.config,
-            has_begun: true,
-        }))
-    };
-    sections.flat_map(members).collect()
-}
-
 /// Means over seeds, of runs that are configured alike; nothing where every run is the only one of its kind.
 fn summary(measured: &[Measured]) -> String {
-    let odd = odd_ones(measured);
-    let alike: Vec<&Measured> =
-        measured.iter().filter(|one| odd.iter().all(|odd| odd.run != one.run)).collect();
+    let measured: Vec<&Measured> = measured.iter().filter(|one| !one.is_odd).collect();
     let groups: Vec<&[&Measured]> =
-        alike.chunk_by(|a, b| a.group() == b.group()).filter(|group| group.len() > 1).collect();
+        measured.chunk_by(|a, b| a.group() == b.group()).filter(|group| group.len() > 1).collect();
     if groups.is_empty() {
         return String::new();
     }

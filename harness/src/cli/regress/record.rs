@@ -1,7 +1,6 @@
 //! `goalbench regress record`.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use reports::gate::baseline::Gate;
@@ -14,7 +13,6 @@ use crate::Registry;
 use crate::cli::complain;
 use crate::cli::flags::{ProtocolFlags, ProtocolText, SeedsFlag, parse_seeds};
 use crate::error::{HarnessError, chain};
-use crate::files::new_file;
 use crate::outputs;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -88,12 +86,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
 fn write(path: &Path, baseline: &Baseline) -> Result<(), HarnessError> {
     let folder = outputs::folder_of(path);
     fs::create_dir_all(folder)
-        .and_then(|()| {
-            let mut file = new_file(folder)?;
-            file.write_all(baseline.text().as_bytes())?;
-            file.persist(path)?;
-            Ok(())
-        })
+        .and_then(|()| guard::fresh::write_through(path, baseline.text().as_bytes()))
         .map_err(HarnessError::io(path, "write this baseline"))
 }
 

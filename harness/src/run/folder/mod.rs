@@ -1,5 +1,6 @@
 //! The folder of one run: what state it is in, and how it is written.
 
+mod check;
 mod recorder;
 
 use std::fs;
@@ -15,6 +16,7 @@ use super::manifest::{self, differences};
 use crate::config::RunConfig;
 use crate::error::{HarnessError, ManifestError};
 use crate::files::write_json;
+pub use check::{Sound, check, check_beginning};
 pub use recorder::{Extent, Recorder};
 
 /// What a run's folder holds.
@@ -42,8 +44,7 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
     let Some(found) = run.manifest()? else {
-        let mut left = [layout::RECORDS, layout::OUTCOME, layout::CHECKPOINT].into_iter();
-        return match left.find(|name| run.has(name)) {
+        return match run.leftover() {
             None => Ok(State::New),
             Some(left) => Err(HarnessError::Damaged {
                 path,

@@ -1,6 +1,6 @@
 //! Writing the records of a run, a line each, as they come.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -10,6 +10,7 @@ use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
+use crate::error::HarnessError;
 use crate::files::write_json;
 use crate::run::observer::Stage;
 use crate::tracking::EventFile;
@@ -39,6 +40,31 @@ struct Prefix {
     crc: u32,
 }
 
+impl Extent {
+    /// Checks that the files of `run` still begin as they were, and changes nothing.
+    ///
+    /// # Errors
+    /// [`HarnessError::Damaged`] naming the file that does not; [`HarnessError::Io`].
+    pub fn check(&self, run: &RunFolder) -> Result<(), HarnessError> {
+        let parts = [
+            (layout::RECORDS, self.records),
+            (layout::TEACHING, self.teaching),
+            (layout::TIMING, self.timing),
+        ];
+        for (name, prefix) in parts {
+            let path = run.file(name);
+            let bytes = run.bytes(name)?.unwrap_or_default();
+            let kept = usize::try_from(prefix.bytes).ok().and_then(|length| bytes.get(..length));
+            if kept.is_none_or(|kept| crc32fast::hash(kept) != prefix.crc) {
+                let reason =
+                    "was cut off or altered after its checkpoint; delete this run's folder to train it anew";
+                return Err(HarnessError::Damaged { path, reason: reason.into() });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A file that only grows, a line at a time.
 struct Log {
     path: PathBuf,
@@ -53,16 +79,10 @@ impl Log {
         let damaged =
             |reason: &str| Error::new(ErrorKind::InvalidData, format!("{} {reason}", path.display()));
         // Where something was noted, a file that is missing stays missing: it is named, not begun anew.
-        let mut file = OpenOptions::new()
-            .create(prefix.bytes == 0)
-            .truncate(false)
-            .read(true)
-            .write(true)
-            .open(&path)
-            .map_err(|error| match error.kind() {
-                ErrorKind::NotFound => damaged("is missing, though its checkpoint goes on from it"),
-                _ => StoreError::io(&path, "open this file")(error).into(),
-            })?;
+        if prefix.bytes > 0 && path.symlink_metadata().is_err() {
+            return Err(damaged("is missing, though its checkpoint goes on from it"));
+        }
+        let mut file = guard::files::update(&path)?;
         let mut kept = Vec::new();
         (&mut file).take(prefix.bytes).read_to_end(&mut kept)?;
         let mut crc = crc32fast::Hasher::new();

@@ -1,6 +1,5 @@
 //! What a run's workers say on standard error: kept in the run's folder, for people.
 
-use std::fs::OpenOptions;
 use std::io::{Read, Write};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
@@ -46,7 +45,7 @@ pub(super) fn keep(folder: &Path, text: &str) -> std::io::Result<()> {
         return Ok(());
     }
     let path = folder.join(layout::WORKER_LOG);
-    OpenOptions::new().create(true).append(true).open(path)?.write_all(text.as_bytes())
+    guard::files::append(&path)?.write_all(text.as_bytes())
 }
 
 /// How a worker ended that could not send an event: it was killed, or a library aborted the process. What the

@@ -95,6 +95,6 @@ impl Reporter for Bars {
 
     fn note(&self, text: &str) {
         // A terminal that went away must not stop a sweep.
-        let _ = self.screen.println(text);
+        let _ = self.screen.println(guard::text::shown(text));
     }
 }

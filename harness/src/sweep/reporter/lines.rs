@@ -98,6 +98,6 @@ impl Reporter for Lines {
 
     fn note(&self, text: &str) {
         // A closed standard error must not stop a sweep.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        let _ = writeln!(std::io::stderr(), "{}", guard::text::shown(text));
     }
 }

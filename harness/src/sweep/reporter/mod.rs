@@ -53,7 +53,8 @@ pub(crate) fn human(duration: Duration) -> String {
 
 /// What is left of `total` steps at the speed seen so far.
 fn time_left(done: u64, total: u64, elapsed: Duration) -> Option<Duration> {
-    (done > 0).then(|| elapsed.mul_f64(total.saturating_sub(done) as f64 / done as f64))
+    let left = total.saturating_sub(done) as f64 / done as f64;
+    Duration::try_from_secs_f64(elapsed.as_secs_f64() * left).ok()
 }
 
 /// How a run ended, in words.

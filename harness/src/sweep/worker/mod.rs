@@ -15,7 +15,7 @@ use agents::AgentError;
 use curricula::CurriculumError;
 use reports::schema::{Manifest, Outcome, RunKey};
 use reports::store::RunFolder;
-use reports::store::layout::{self, Lives};
+use reports::store::layout::Lives;
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::event::Event;
@@ -102,6 +102,7 @@ fn carry_out(registry: &Registry, folder: &Path, keeping: Keeping) -> Result<Exi
     set_parent_process_death_signal(Some(Signal::TERM))
         .map_err(HarnessError::system("listen for the parent's death"))?;
     let _lock = take_lock(folder)?;
+    guard::fresh::sweep(folder);
     let outcome = match folder::outcome(folder, &manifest)? {
         // Another worker ended this run since it was planned, or was killed before it could say so.
         Some(outcome) => outcome,
@@ -167,36 +168,16 @@ fn begin(
         error => HarnessError::impossible(run, "begin")(error),
     };
     let found = checkpoint::read(folder, manifest).map_err(|error| match error {
-        CheckpointError::Io { path, action, source } => HarnessError::Io { path, action, source },
+        error @ CheckpointError::Io { .. } => error.into(),
         damaged => HarnessError::impossible(run, "go on")(damaged),
     })?;
     let mut trainer = Trainer::new(registry, run.clone(), config).map_err(cannot_begin)?;
     let Some(checkpoint) = found else {
-        check_beginning(folder)?;
+        folder::check_beginning(folder)?;
         return Ok((trainer, Extent::default()));
     };
     trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_begin)?;
     Ok((trainer, checkpoint.progress))
-}
-
-/// Refuses to begin anew over records that a checkpoint must have followed: the checkpoint was lost, and the
-/// records would be lost as well.
-fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
-    /// Evaluations that are recorded before the first checkpoint is saved.
-    const BEFORE_CHECKPOINT: usize = 2;
-    let path = folder.join(layout::RECORDS);
-    let recorded = match std::fs::read_to_string(&path) {
-        Ok(text) => text.lines().count(),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => 0,
-        Err(source) => return Err(HarnessError::Io { path, action: "read this file", source }),
-    };
-    if recorded > BEFORE_CHECKPOINT {
-        let reason = format!(
-            "is missing, though {recorded} evaluations are recorded; delete this run's folder to train it anew"
-        );
-        return Err(HarnessError::Damaged { path: folder.join(checkpoint::CHECKPOINT), reason });
-    }
-    Ok(())
 }
 
 /// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to

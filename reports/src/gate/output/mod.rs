@@ -127,7 +127,7 @@ pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, GateError
     ];
     let write = |(name, bytes): (&str, Vec<u8>)| {
         let path = folder.join(name);
-        fs::write(&path, bytes).map_err(StoreError::io(&path, "write this file"))?;
+        guard::fresh::write(&path, &bytes).map_err(StoreError::io(&path, "write this file"))?;
         Ok(path)
     };
     files.into_iter().map(write).collect()

@@ -1,0 +1,170 @@
+//! Regular files, and nothing else.
+//!
+//! A pipe without a writer keeps whoever opens or reads it waiting, a device never ends. So everything that
+//! is no regular file is refused: first by its name, since to open a device may already do something, then
+//! once more when it is open, since the name may lead elsewhere by then.
+
+use std::fs::{self, File, FileType, Metadata, OpenOptions};
+use std::io::{self, ErrorKind, Read};
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+use std::path::Path;
+
+use rustix::fs::OFlags;
+
+/// Opens the file at `path` for reading. Links are followed.
+///
+/// # Errors
+/// What the system refuses; [`ErrorKind::InvalidData`] if it is no regular file.
+pub fn open(path: &Path) -> io::Result<File> {
+    regular(&fs::metadata(path)?)?;
+    opened(OpenOptions::new().read(true), OFlags::empty(), path)
+}
+
+/// All bytes of the file at `path`.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text of the file at `path`.
+///
+/// # Errors
+/// As [`open`]; [`ErrorKind::InvalidData`] if it is not UTF-8.
+pub fn read_to_string(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    open(path)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
+/// Opens the file at `path` for reading and writing, creates it if need be and keeps what it holds. A link is
+/// refused: it could lead to any file of the user's.
+///
+/// # Errors
+/// As [`open`].
+pub fn update(path: &Path) -> io::Result<File> {
+    own(OpenOptions::new().read(true).write(true).create(true).truncate(false), path)
+}
+
+/// The same for writing at the end.
+///
+/// # Errors
+/// As [`open`].
+pub fn append(path: &Path) -> io::Result<File> {
+    own(OpenOptions::new().append(true).create(true), path)
+}
+
+/// Copies the file at `from` to `to`, where nothing may lie yet.
+///
+/// # Errors
+/// As [`open`]; [`ErrorKind::AlreadyExists`].
+pub fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    let mut source = open(from)?;
+    let mut target = OpenOptions::new().write(true).create_new(true).open(to)?;
+    io::copy(&mut source, &mut target).map(drop)
+}
+
+fn own(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+    match fs::symlink_metadata(path) {
+        Ok(found) => regular(&found)?,
+        Err(error) if error.kind() == ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    opened(options, OFlags::NOFOLLOW, path)
+}
+
+/// Opens without waiting for anybody, and looks at what is open.
+fn opened(options: &mut OpenOptions, more: OFlags, path: &Path) -> io::Result<File> {
+    let flags = OFlags::NONBLOCK | OFlags::NOCTTY | more;
+    let file = options.custom_flags(flags.bits().cast_signed()).open(path)?;
+    regular(&file.metadata()?)?;
+    Ok(file)
+}
+
+pub(crate) fn regular(found: &Metadata) -> io::Result<()> {
+    let kind = found.file_type();
+    if kind.is_file() {
+        return Ok(());
+    }
+    let reason = if kind.is_symlink() {
+        "it is a link, and nothing is written through links".to_owned()
+    } else {
+        format!("it is {}; a regular file is expected", name(kind))
+    };
+    Err(io::Error::new(ErrorKind::InvalidData, reason))
+}
+
+fn name(kind: FileType) -> &'static str {
+    if kind.is_dir() {
+        "a folder"
+    } else if kind.is_fifo() {
+        "a pipe"
+    } else if kind.is_socket() {
+        "a socket"
+    } else {
+        "a device"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+    use std::os::unix::fs::symlink;
+    use std::os::unix::net::UnixListener;
+
+    use rustix::fs::{CWD, Mode, mkfifoat};
+
+    use super::*;
+
+    fn refusal<T>(result: io::Result<T>) -> String {
+        let error = result.err().expect("it is refused");
+        assert_eq!(error.kind(), ErrorKind::InvalidData);
+        error.to_string()
+    }
+
+    #[test]
+    fn only_regular_files_are_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        mkfifoat(CWD, place("pipe"), Mode::RUSR | Mode::WUSR).unwrap();
+        let _socket = UnixListener::bind(place("socket")).unwrap();
+        symlink("/dev/zero", place("device")).unwrap();
+        symlink(place("pipe"), place("linked")).unwrap();
+        for (name, kind) in [("pipe", "pipe"), ("socket", "socket"), ("device", "device"), ("linked", "pipe")]
+        {
+            let expected = format!("it is a {kind}; a regular file is expected");
+            assert_eq!(refusal(read(&place(name))), expected);
+            assert_eq!(refusal(copy(&place(name), &place("copy"))), expected);
+        }
+        assert_eq!(refusal(open(folder.path())), "it is a folder; a regular file is expected");
+        for write in [update, append] {
+            assert!(refusal(write(&place("pipe"))).contains("a pipe"));
+            assert!(refusal(write(&place("socket"))).contains("a socket"));
+            assert!(refusal(write(&place("device"))).contains("a link"));
+        }
+        assert!(!place("copy").exists());
+    }
+
+    #[test]
+    fn links_are_read_and_never_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let [target, link, dangling] = ["target", "link", "dangling"].map(|name| folder.path().join(name));
+        fs::write(&target, "kept").unwrap();
+        symlink(&target, &link).unwrap();
+        symlink(folder.path().join("nowhere"), &dangling).unwrap();
+        assert_eq!(read_to_string(&link).unwrap(), "kept");
+        for (write, place) in [(update as fn(&Path) -> _, &link), (append, &link), (update, &dangling)] {
+            assert!(refusal(write(place)).contains("nothing is written through links"));
+        }
+        assert_eq!(copy(&target, &dangling).unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_to_string(&target).unwrap(), "kept");
+        assert!(!folder.path().join("nowhere").exists());
+
+        update(&target).unwrap().write_all(b"K").unwrap();
+        append(&target).unwrap().write_all(b"!").unwrap();
+        assert_eq!(read(&target).unwrap(), b"Kept!");
+    }
+}
