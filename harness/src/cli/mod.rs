@@ -22,8 +22,10 @@
 
 mod evaluate;
 mod flags;
+mod help;
 mod list;
 mod merge;
+mod misuse;
 mod profile;
 mod protocol;
 mod regress;
@@ -40,6 +42,8 @@ use clap::{Parser, Subcommand};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
+use crate::protocol::Protocol;
+use crate::protocol::plan::Plan;
 use crate::sweep::{ExitCode, local, worker};
 
 /// Benchmarks automatic curricula for goal-conditioned reinforcement learning.
@@ -49,7 +53,8 @@ use crate::sweep::{ExitCode, local, worker};
     version = env!("GOALBENCH_VERSION"),
     max_term_width = 100,
     arg_required_else_help = true,
-    args_override_self = true
+    args_override_self = true,
+    disable_help_subcommand = true
 )]
 struct Cli {
     #[command(subcommand)]
@@ -80,6 +85,8 @@ enum Command {
     Profile(profile::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
+    /// Explain a command, every config field (`help config`), or the JSON that commands print (`help json`)
+    Help(help::Args),
     /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
     #[command(hide = true)]
     Worker {
@@ -104,7 +111,7 @@ enum Command {
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
-    let cli = Cli::parse();
+    let cli: Cli = misuse::parse();
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -117,6 +124,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Regress(args) => regress::regress(&registry, &args),
         Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
+        Command::Help(args) => help::help(&registry, misuse::command::<Cli>(), &args),
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
         Command::Worker { folder, tensorboard } => {
@@ -146,6 +154,13 @@ fn print(text: &str) {
 /// Writes a line to standard error.
 fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Warns of what changes nothing in a plan.
+fn warn_of_idle(protocol: &Protocol, plan: &Plan) {
+    for note in protocol.idle(plan) {
+        complain(&format!("goalbench: warning: {note}"));
+    }
 }
 
 type Exit = Result<ExitCode, HarnessError>;

@@ -63,6 +63,17 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The config of every kind of run, as TOML: a table for each, named as in `"MazeA/teach/default"`.
+    pub fn configs(&self) -> String {
+        let kinds = self.runs.iter().map(|run| {
+            let RunKey { environment, curriculum, variant, .. } = &run.key;
+            (format!("{environment}/{curriculum}/{variant}"), config::to_table(&run.config).into())
+        });
+        kinds.collect::<toml::Table>().to_string()
+    }
+}
+
 /// Resolves every override and variant once, even those that apply to no planned run: a mistyped key in one
 /// of them is reported now, not on the day when it first matters.
 fn check_patches(protocol: &Protocol, registry: &Registry) -> Result<(), HarnessError> {

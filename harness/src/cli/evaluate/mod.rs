@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use reports::schema::RunKey;
 
-use super::flags::JobsFlag;
+use super::flags::{JobsFlag, count_in};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -33,7 +33,7 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Episodes of each run
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count_in(1..=1_000_000))]
     episodes: u64,
     /// Seed of starts and goals
     #[arg(long, value_name = "N", default_value_t = 0)]
