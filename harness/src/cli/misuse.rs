@@ -7,12 +7,12 @@ use clap::{Command, Parser};
 
 /// What clap and the standard library say, and what is said instead.
 const PLAIN: [(&str, &str); 6] = [
-    ("invalid digit found in string", "not a whole number"),
-    ("cannot parse integer from empty string", "not a whole number"),
+    ("invalid digit found in string", "a whole number of at least 0 is accepted"),
+    ("cannot parse integer from empty string", "a whole number of at least 0 is accepted"),
     ("number too large to fit in target type", "too large"),
     ("number too small to fit in target type", "too small"),
-    ("invalid float literal", "not a number"),
-    ("cannot parse float from empty string", "not a number"),
+    ("invalid float literal", "a number is accepted"),
+    ("cannot parse float from empty string", "a number is accepted"),
 ];
 
 /// The command line as `P`. Ends the program where it is refused, or where help or version are asked for.
@@ -44,17 +44,18 @@ fn refuse<P: Parser>(error: &Error) -> ! {
     }
     let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     if let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidArg)
-        && let Some(option) = option_before(&command::<P>(), &words, value)
+        && let Some((option, word)) = option_before(&command::<P>(), &words, value)
     {
         // Clap's tip would make it a further argument.
-        text = text.replace(&format!("'-- {value}'"), &format!("'{option}={value}'"));
+        text = text.replace(&format!("-- {value}"), &format!("{option}={word}"));
     }
     let _ = std::io::stderr().write_all(text.as_bytes());
     std::process::exit(error.exit_code())
 }
 
-/// The option that stands before `value` in the command line, if it is one that wants a value.
-fn option_before<'a>(program: &Command, words: &'a [String], value: &str) -> Option<&'a str> {
+/// The option that stands before the word that begins with `value`, if it is one that wants a value; and the
+/// word.
+fn option_before<'a>(program: &Command, words: &'a [String], value: &str) -> Option<(&'a str, &'a str)> {
     fn wants_value(command: &Command, option: &str) -> bool {
         let takes = |arg: &clap::Arg| arg.get_long() == Some(option) && arg.get_action().takes_values();
         command.get_arguments().any(takes)
@@ -62,5 +63,5 @@ fn option_before<'a>(program: &Command, words: &'a [String], value: &str) -> Opt
     }
     let at = words.iter().position(|word| word.starts_with(value))?;
     let before = words.get(at.checked_sub(1)?)?;
-    wants_value(program, before.strip_prefix("--")?).then_some(before)
+    wants_value(program, before.strip_prefix("--")?).then_some((before.as_str(), words[at].as_str()))
 }

@@ -86,7 +86,7 @@ impl Notes {
             Some(bound) => Ok(("exclusiveMaximum", number(bound)?)),
             None => Ok(("maximum", number(end)?)),
         });
-        Ok([Ok(low)].into_iter().chain(high).collect::<Result<Vec<_>, String>>()?)
+        [Ok(low)].into_iter().chain(high).collect()
     }
 }
 

@@ -31,7 +31,13 @@ pub fn config(registry: &Registry) -> Json {
 /// whatever types; a whole number there may be written as a count.
 fn curriculum(entry: &Entry) -> Json {
     let mut schema = match (entry.schema)() {
-        Some(schema) => schema.to_value(),
+        Some(schema) => {
+            let mut schema = schema.to_value();
+            if !schema["properties"].is_object() {
+                schema["properties"] = json!({});
+            }
+            schema
+        }
         None => {
             let like = |value: Value| match value {
                 Value::Integer(_) => json!({ "anyOf": [{ "type": "integer" }, {}] }),
