@@ -68,7 +68,7 @@ impl ProbeConfig {
     /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or a `renewal` of 0 or, for
     /// held states, below `window`: states that are renewed sooner could never fill it.
     pub fn check(&self, window: usize) -> Result<(), CurriculumError> {
-        let accepted = format!("1 to {MOST_REPLAY_STATES}");
+        let accepted = format!("in 1..={MOST_REPLAY_STATES}");
         let ok = (1..=MOST_REPLAY_STATES).contains(&self.replay_states);
         CurriculumError::require(ok, "replay_states", &accepted, self.replay_states)?;
         let accepted = format!("at least {window}, the evaluations that are compared");

@@ -289,22 +289,22 @@ impl Method for Vds {
 
     fn check(config: &VdsConfig) -> Result<(), CurriculumError> {
         let VdsConfig { members, candidates, learning_rate, .. } = *config;
-        CurriculumError::require((2..=64).contains(&members), "members", "2 to 64", members)?;
+        CurriculumError::require((2..=64).contains(&members), "members", "in 2..=64", members)?;
         let ok = (1..=100_000).contains(&candidates);
-        CurriculumError::require(ok, "candidates", "1 to 100000", candidates)?;
+        CurriculumError::require(ok, "candidates", "in 1..=100000", candidates)?;
         if let Auto::Value(updates) = config.updates_per_cycle {
             let ok = (1..=1_000_000).contains(&updates);
-            CurriculumError::require(ok, "updates_per_cycle", "\"auto\" or 1 to 1000000", updates)?;
+            CurriculumError::require(ok, "updates_per_cycle", "\"auto\" or in 1..=1000000", updates)?;
         }
         let ok = learning_rate > 0.0 && learning_rate.is_finite();
         CurriculumError::require(ok, "learning_rate", "positive and finite", learning_rate)?;
         if let Auto::Value(batch) = config.batch {
             let ok = (1..=65_536).contains(&batch);
-            CurriculumError::require(ok, "batch", "\"auto\" or 1 to 65536", batch)?;
+            CurriculumError::require(ok, "batch", "\"auto\" or in 1..=65536", batch)?;
         }
         if let Auto::Value(polyak) = config.polyak {
             let ok = (0.0..=1.0).contains(&polyak);
-            CurriculumError::require(ok, "polyak", "\"auto\" or 0 to 1", polyak)?;
+            CurriculumError::require(ok, "polyak", "\"auto\" or in [0, 1]", polyak)?;
         }
         Ok(())
     }

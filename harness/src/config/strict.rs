@@ -59,8 +59,20 @@ fn plain(message: &str) -> String {
         ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
     match complaint.and_then(|complaint| complaint.split_once(", expected ")) {
         Some((found, wanted)) => format!("is {}; must be {}", value_in_words(found), type_in_words(wanted)),
-        None => message.to_owned(),
+        None => ranges_in_words(message),
     }
+}
+
+/// `message` with `2 to 64` for `in 2..=64`.
+fn ranges_in_words(message: &str) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for word in message.split(' ') {
+        if word.contains("..=") {
+            words.pop_if(|before| before == "in");
+        }
+        words.push(word.replace("..=", " to "));
+    }
+    words.join(" ")
 }
 
 /// What serde found, as in ``integer `3` ``.
@@ -138,6 +150,12 @@ mod tests {
         let kind = error("[inner]\nwindow = -1\nkind = 'target'");
         assert_eq!(kind.path, "curriculum.inner.window");
         assert_eq!(kind.reason, "is -1; must be a whole number of at least 0, and not too large");
+    }
+
+    #[test]
+    fn ranges_are_told_in_words() {
+        let told = field_error("", "members", "must be \"auto\" or in 2..=64, got 99").reason;
+        assert_eq!(told, "must be \"auto\" or 2 to 64, got 99");
     }
 
     #[test]
