@@ -12,7 +12,18 @@ use crate::error::AgentError;
 use crate::networks::Parameters;
 
 /// Which copy of the networks answers: the trained ones or their slowly following targets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    schemars::JsonSchema,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Network {
     /// The networks that gradient steps change: Q(s, g, π(s, g)).

@@ -19,6 +19,16 @@ pub(crate) fn at_least(field: &'static str, given: usize, least: usize) -> Resul
     accept(field, given >= least, || format!("{given} given, a whole number of at least {least} accepted"))
 }
 
+pub(crate) fn between(
+    field: &'static str,
+    given: usize,
+    least: usize,
+    most: usize,
+) -> Result<(), AgentError> {
+    let reason = || format!("{given} given, a whole number from {least} to {most} accepted");
+    accept(field, (least..=most).contains(&given), reason)
+}
+
 pub(crate) fn at_most(field: &'static str, given: u64, most: u64) -> Result<(), AgentError> {
     accept(field, given <= most, || format!("{given} given, a whole number of at most {most} accepted"))
 }

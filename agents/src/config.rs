@@ -4,10 +4,11 @@
 //! OpenAI Baselines, which VDS's official code shares.
 
 use envs::Spec;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
-use crate::checks::{MOST_EPISODES, accept, at_least, at_most, fraction, not_negative, positive};
+use crate::checks::{MOST_EPISODES, accept, at_most, between, fraction, not_negative, positive};
 use crate::device::Device;
 use crate::draw::{HerStrategy, Hindsight};
 use crate::error::AgentError;
@@ -18,7 +19,7 @@ use crate::normalizer::NormalizerConfig;
 pub(crate) const DEFAULT_AGENT: &str = "ddpg-her";
 
 /// Which values the fields left at "auto" take.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
     /// One student for all curricula: batch 1024, as many layers as the environment says (TEACH, section
@@ -31,7 +32,7 @@ pub enum Preset {
 }
 
 /// When the target networks follow the trained ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PolyakEvery {
     /// After the gradient steps of a cycle (Baselines).
@@ -53,52 +54,86 @@ pub enum PolyakEvery {
 /// let error = StudentConfig { polyak: 2.0, ..StudentConfig::default() }.resolve(env.spec()).unwrap_err();
 /// assert_eq!(error.to_string(), "student.polyak: 2 given, a number in [0, 1] accepted");
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StudentConfig {
-    /// Which agent, by its id in [`crate::registry`].
+    /// Which agent, by its id.
+    ///
+    /// Source: HER (Andrychowicz et al. 2017), whose student TEACH 4.2 takes.
     pub agent: String,
-    /// What "auto" means for `batch`, `layers` and `episodes_per_cycle`.
+    /// Which values the fields left at "auto" take: `batch`, `layers`, `episodes_per_cycle`, and those of
+    /// `curriculum.vds`.
+    ///
+    /// Source: TEACH 5.2; `official`: the compared methods' code.
     pub preset: Preset,
-    /// Where the networks live: `cpu` or `cuda`.
+    /// Where the networks live.
+    ///
+    /// Source: a choice.
     pub device: Device,
-    /// Transitions per gradient step, at least 1. Auto: 1024 (TEACH 5.2), `official` 256.
+    /// Transitions per gradient step.
+    ///
+    /// Unit: transitions. Range: 1 to 1,000,000. Auto: 1024; with `official` 256. Source: TEACH 5.2; VDS's
+    /// code.
     pub batch: Auto<usize>,
-    /// Units per hidden layer, at least 1. 256 (Baselines; TEACH does not say).
+    /// Units per hidden layer.
+    ///
+    /// Unit: units. Range: 1 to 16,384. Source: Baselines; TEACH does not say.
     pub width: usize,
-    /// Hidden layers, 1 to 8. Auto: what the environment says, 2 and for the Hand 3 (TEACH 5.2); `official`
-    /// 3.
+    /// Hidden layers of each network.
+    ///
+    /// Unit: layers. Range: 1 to 8. Auto: what the environment says; with `official` 3. Source: TEACH 5.2;
+    /// VDS's code.
     pub layers: Auto<usize>,
-    /// Discount γ in [0, 1). Auto: 1 − 1/H (Baselines).
+    /// Discount γ of future rewards.
+    ///
+    /// Unit: none. Range: 0 to below 1. Auto: 1 − 1/H for episodes of H steps. Source: Baselines.
     pub gamma: Auto<f64>,
-    /// Adam's step size for the actor, positive. 1e-3 (Baselines).
+    /// Adam's step size for the actor.
+    ///
+    /// Unit: none. Range: above 0. Source: Baselines.
     pub actor_lr: f64,
-    /// Adam's step size for the critic, positive. 1e-3 (TEACH 5.2).
+    /// Adam's step size for the critic.
+    ///
+    /// Unit: none. Range: above 0. Source: TEACH 5.2.
     pub critic_lr: f64,
-    /// Weight α of the old target networks, in [0, 1]: target ← α·target + (1 − α)·online (TEACH, Eq. 12,
-    /// which gives no α). 0.95 (Baselines).
+    /// Weight α of the old target networks: target ← α·target + (1 − α)·online.
+    ///
+    /// Unit: none. Range: 0 to 1. Source: Baselines; TEACH, Eq. 12, gives no α.
     pub polyak: f64,
-    /// When the target networks follow: once per `cycle` (Baselines) or after every `update` (DDPG).
+    /// When the target networks follow the trained ones.
+    ///
+    /// Source: Baselines.
     pub polyak_every: PolyakEvery,
-    /// Episodes per cycle, 1 to 1,000,000. Auto: 2 (Baselines), `official` 1 (VDS).
+    /// Training episodes per cycle: gradient steps follow after each cycle.
+    ///
+    /// Unit: episodes. Range: 1 to 1,000,000. Auto: 2; with `official` 1. Source: Baselines; VDS's code.
     pub episodes_per_cycle: Auto<usize>,
-    /// Gradient steps per cycle, at least 1. 40 (Baselines).
+    /// Gradient steps per cycle.
+    ///
+    /// Unit: gradient steps. Range: 1 to 1,000,000. Source: Baselines.
     pub updates_per_cycle: usize,
-    /// Hindsight goals per real goal: a transition is relabelled with probability k/(k + 1), never for 0. 4
-    /// (HER).
+    /// Hindsight goals k per real goal: a transition is relabelled with probability k/(k + 1), never for 0.
+    ///
+    /// Unit: goals. Range: 0 to 1,000,000. Source: HER.
     pub her_k: u32,
-    /// Which achieved goals of its episode a transition is relabelled with: one of the `future`, the `final`
-    /// one or any of the `episode`. `future` (Baselines; best in HER, section 4.5).
+    /// Which achieved goals of its episode a transition is relabelled with.
+    ///
+    /// Source: Baselines; best in HER, section 4.5.
     pub her_strategy: HerStrategy,
-    /// Weight of the mean squared action in the actor's loss, 0 or more. 1.0 (Baselines).
+    /// Weight of the mean squared action in the actor's loss.
+    ///
+    /// Unit: none. Range: at least 0. Source: Baselines.
     pub action_l2: f64,
     /// Exploration noise.
     pub noise: NoiseConfig,
-    /// How many training episodes at the start take uniformly random actions, at most 1,000,000,000. Learning
-    /// begins with the first cycle that ends after them. 0 (Baselines).
+    /// How many training episodes at the start take uniformly random actions. Learning begins with the first
+    /// cycle that ends after them.
+    ///
+    /// Unit: episodes. Range: 0 to 1,000,000,000. Source: Baselines.
     pub warmup_episodes: u64,
-    /// Transitions kept for replay, at least one episode; rounded down to whole episodes. 1,000,000
-    /// (Baselines).
+    /// Transitions kept for replay, rounded down to whole episodes; room for one episode is the least.
+    ///
+    /// Unit: transitions. Range: 1 to 1,000,000,000. Source: Baselines.
     pub replay_capacity: usize,
     /// Input normalisation.
     pub normalizer: NormalizerConfig,
@@ -193,10 +228,9 @@ impl StudentConfig {
         accept("agent", known.contains(&self.agent.as_str()), || {
             format!("unknown agent `{}`; accepted: {}", self.agent, known.join(", "))
         })?;
-        at_least("batch", self.batch(), 1)?;
-        at_least("width", self.width, 1)?;
-        let layers = self.layers(spec);
-        accept("layers", (1..=8).contains(&layers), || format!("{layers} given, 1 to 8 accepted"))?;
+        between("batch", self.batch(), 1, 1_000_000)?;
+        between("width", self.width, 1, 16_384)?;
+        between("layers", self.layers(spec), 1, 8)?;
         let gamma = self.gamma(spec);
         accept("gamma", (0.0..1.0).contains(&gamma), || {
             format!("{gamma} given, a number in [0, 1) accepted")
@@ -204,13 +238,11 @@ impl StudentConfig {
         positive("actor_lr", self.actor_lr)?;
         positive("critic_lr", self.critic_lr)?;
         fraction("polyak", self.polyak)?;
-        let episodes = self.episodes_per_cycle();
-        accept("episodes_per_cycle", (1..=1_000_000).contains(&episodes), || {
-            format!("{episodes} given, 1 to 1000000 accepted")
-        })?;
-        at_least("updates_per_cycle", self.updates_per_cycle, 1)?;
+        between("episodes_per_cycle", self.episodes_per_cycle(), 1, 1_000_000)?;
+        between("updates_per_cycle", self.updates_per_cycle, 1, 1_000_000)?;
+        at_most("her_k", u64::from(self.her_k), 1_000_000)?;
         not_negative("action_l2", self.action_l2)?;
-        at_least("replay_capacity", self.replay_capacity, spec.horizon)?;
+        between("replay_capacity", self.replay_capacity, spec.horizon, 1_000_000_000)?;
         self.noise.check()?;
         at_most("warmup_episodes", self.warmup_episodes, MOST_EPISODES)?;
         self.normalizer.check()

@@ -2,11 +2,12 @@
 
 use envs::rng::Rng;
 use rand::Rng as _;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which achieved goals of its episode a transition can be relabelled with (Andrychowicz et al. 2017, section
 /// 4.5).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HerStrategy {
     /// Uniformly one of those achieved after the step it starts from.

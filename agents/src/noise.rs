@@ -3,6 +3,7 @@
 use envs::rng::Rng;
 use rand::Rng as _;
 use rand_distr::StandardNormal;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{MOST_EPISODES, at_most, fraction, not_negative, positive};
@@ -13,43 +14,61 @@ use crate::error::AgentError;
 /// Either kind can be annealed: its strength (`std` and `random_epsilon`, or `sigma`) is multiplied by a
 /// factor that moves linearly from 1 to `final_scale` over the first `anneal_episodes` training episodes,
 /// including those of a warm-up, and then stays there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum NoiseConfig {
     /// With probability `random_epsilon` a uniform action, else the policy's plus N(0, `std`²), clipped
     /// (Baselines).
     Gaussian {
-        /// Standard deviation as a share of the action's range, 0 or more. 0.2 (Baselines).
+        /// Standard deviation.
+        ///
+        /// Unit: share of the action's range. Range: at least 0. Source: Baselines.
         #[serde(default = "gaussian_std")]
         std: f64,
-        /// Probability of a uniform action, in [0, 1]. 0.3 (Baselines).
+        /// Probability of a uniform action.
+        ///
+        /// Unit: none. Range: 0 to 1. Source: Baselines.
         #[serde(default = "gaussian_epsilon")]
         random_epsilon: f64,
-        /// Share of the strength that is left after annealing, in [0, 1]. 1.
+        /// Share of the strength that is left after annealing.
+        ///
+        /// Unit: none. Range: 0 to 1. Source: a choice.
         #[serde(default = "unchanged")]
         final_scale: f64,
-        /// Training episodes that annealing takes, at most 1,000,000,000. With 0 the strength is constant,
-        /// whatever `final_scale` says. 0.
+        /// Training episodes that annealing takes. With 0 the strength is constant, whatever `final_scale`
+        /// says.
+        ///
+        /// Unit: episodes. Range: 0 to 1,000,000,000. Source: Baselines, which does not anneal.
         #[serde(default)]
         anneal_episodes: u64,
     },
     /// The policy's action plus an Ornstein-Uhlenbeck process that starts at 0 in every episode, clipped
     /// (TEACH 4.2 names it as an example; parameters: DDPG, Lillicrap et al. 2016, section 7).
     OrnsteinUhlenbeck {
-        /// Rate of return to 0, 0 or more. 0.15 (DDPG).
+        /// Rate of return to 0.
+        ///
+        /// Unit: 1/time. Range: at least 0. Source: DDPG.
         #[serde(default = "ou_theta")]
         theta: f64,
-        /// Volatility, 0 or more. 0.2 (DDPG).
+        /// Volatility.
+        ///
+        /// Unit: share of the action's range per √time. Range: at least 0. Source: DDPG.
         #[serde(default = "ou_sigma")]
         sigma: f64,
-        /// Time per environment step, positive. 1 (DDPG).
+        /// Time per environment step.
+        ///
+        /// Unit: time. Range: above 0. Source: DDPG.
         #[serde(default = "ou_dt")]
         dt: f64,
-        /// Share of the strength that is left after annealing, in [0, 1]. 1.
+        /// Share of the strength that is left after annealing.
+        ///
+        /// Unit: none. Range: 0 to 1. Source: a choice.
         #[serde(default = "unchanged")]
         final_scale: f64,
-        /// Training episodes that annealing takes, at most 1,000,000,000. With 0 the strength is constant,
-        /// whatever `final_scale` says. 0.
+        /// Training episodes that annealing takes. With 0 the strength is constant, whatever `final_scale`
+        /// says.
+        ///
+        /// Unit: episodes. Range: 0 to 1,000,000,000. Source: Baselines, which does not anneal.
         #[serde(default)]
         anneal_episodes: u64,
     },

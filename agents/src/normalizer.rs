@@ -1,5 +1,6 @@
 //! Running normalisation of network inputs (the HER configuration of OpenAI Baselines).
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::auto::Auto;
@@ -7,21 +8,30 @@ use crate::checks::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
 
 /// How inputs are normalised: clip((clip(x, ±`clip_before`) − mean) / max(std, `std_floor`), ±`clip_after`).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NormalizerConfig {
-    /// Lower bound of the standard deviation in the division, positive. 0.01 (Baselines).
+    /// Lower bound of the standard deviation in the division.
+    ///
+    /// Unit: that of the input. Range: above 0. Source: Baselines.
     pub std_floor: f64,
-    /// Bound on raw inputs, positive. 200 (Baselines).
+    /// Bound on raw inputs.
+    ///
+    /// Unit: that of the input. Range: above 0. Source: Baselines.
     pub clip_before: f64,
-    /// Bound on normalised inputs, positive. 5 (Baselines).
+    /// Bound on normalised inputs.
+    ///
+    /// Unit: standard deviations. Range: above 0. Source: Baselines.
     pub clip_after: f64,
-    /// How many zeros count as seen before the first input, 0 to 1,000,000; with 0 the moments are those of
-    /// the inputs alone. 1 (Baselines, whose `Normalizer` starts with count 1, sum 0 and sum of squares 0).
+    /// How many zeros count as seen before the first input; with 0 the moments are those of the inputs alone.
+    ///
+    /// Unit: inputs. Range: 0 to 1,000,000. Source: Baselines, whose `Normalizer` starts with count 1, sum 0
+    /// and sum of squares 0.
     pub pseudo_observations: u64,
     /// How many episodes, from the first one on, feed mean and standard deviation, which then stay as they
-    /// are; at most 1,000,000,000. With 0 inputs are never normalised (mean 0, standard deviation 1) but
-    /// still clipped. Auto: all episodes (Baselines).
+    /// are. With 0 inputs are never normalised (mean 0, standard deviation 1) but still clipped.
+    ///
+    /// Unit: episodes. Range: 0 to 1,000,000,000. Auto: all episodes. Source: Baselines.
     pub feed_episodes: Auto<u64>,
 }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
@@ -52,6 +54,33 @@ impl<M: Method> Configured for Checked<M> {
     fn build(self: Box<Self>, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         Ok(Box::new(Teacher::<M>::new(self.0, setting)?))
     }
+}
+
+/// The JSON schema of the config `C`.
+///
+/// Its descriptions are the doc comments of the fields. A last paragraph of the form `Unit: episodes. Range:
+/// 1 to 100. Auto: what "auto" means. Source: a paper.`, any part of which can be left out, becomes columns
+/// of the reference that `goalbench help config` prints. A range is `2 to 64`, `0 to below 1`, `above 0` or
+/// `at least 1`.
+///
+/// ```
+/// /// Options of a method.
+/// #[derive(schemars::JsonSchema)]
+/// struct MineConfig {
+///     /// Episodes looked back on.
+///     ///
+///     /// Unit: episodes. Range: at least 1. Source: a choice.
+///     episodes: u64,
+/// }
+///
+/// let schema = curricula::schema_of::<MineConfig>();
+/// let field = &schema.as_value()["properties"]["episodes"];
+/// assert_eq!(field["type"], "integer");
+/// assert!(field["description"].as_str().is_some_and(|text| text.starts_with("Episodes looked back on.")));
+/// ```
+pub fn schema_of<C: JsonSchema>() -> Schema {
+    let inline = |settings: &mut SchemaSettings| settings.inline_subschemas = true;
+    SchemaSettings::draft2020_12().with(inline).into_generator().into_root_schema_for::<C>()
 }
 
 /// A config as a complete table.

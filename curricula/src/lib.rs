@@ -29,7 +29,7 @@ pub mod testing;
 mod variance;
 mod window;
 
-pub use config::Configured;
+pub use config::{Configured, schema_of};
 pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, Statistics, TeacherSummary};
 pub use distribution::Distribution;
 pub use error::CurriculumError;

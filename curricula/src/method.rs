@@ -4,6 +4,7 @@ use agents::{Critic, Episode};
 use envs::Reward;
 use envs::rng::Rng;
 use looks::Look;
+use schemars::Schema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -88,6 +89,13 @@ pub trait Method: Sized + Send + Sync + 'static {
     const LOOK: Option<Look> = None;
     /// Whether it chooses from the pool. Such a method is never built on an empty pool.
     const USES_POOL: bool;
+
+    /// What the fields of its config are: `Some(schema_of::<Self::Config>())` if that derives `JsonSchema`.
+    /// `goalbench help config` then explains every field by its doc comment, and a value of a wrong type is
+    /// answered with what is accepted. See [`schema_of`](crate::schema_of).
+    fn schema() -> Option<Schema> {
+        None
+    }
 
     /// Checks the ranges of a config.
     ///

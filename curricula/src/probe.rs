@@ -3,6 +3,7 @@
 
 use agents::{AgentError, Network};
 use envs::{Goals, Rows};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::curriculum::Lesson;
@@ -13,7 +14,7 @@ use crate::window::Window;
 
 /// From which states confidence is measured. Eq. 7 of TEACH averages over the states of the replay buffer and
 /// leaves open how many that are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StateSource {
     /// States drawn once from the replay buffer and held, so that confidence moves only with the networks.
@@ -30,18 +31,24 @@ pub enum StateSource {
 
 /// How confidence C(g) is measured: options shared by all methods that use confidence. They are fields of the
 /// method's own table, so they are included with `#[serde(flatten)]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub struct ProbeConfig {
-    /// Networks that answer: `online`, `target`, or `target-critic` (the averaged critic judges the trained
-    /// policy's action).
+    /// The networks that answer.
+    ///
+    /// Source: TEACH, Eq. 7; `target-critic`: its section 5.4 and Figure 3.
     #[serde(rename = "confidence")]
     pub network: Network,
-    /// States that C(g) averages over: `reference`, `replay` or `initial`.
+    /// The states that C(g) averages over.
+    ///
+    /// Source: TEACH, Eqs. 6 and 7; how many states those are is left open. `initial`: the code of ProCuRL.
     pub states: StateSource,
-    /// M, number of states with `reference` and `replay`; 1 to 1024. Choice: 8.
+    /// M, how many states there are with `reference` and `replay`.
+    ///
+    /// Unit: states. Range: 1 to 1024. Source: a choice.
     pub replay_states: usize,
     /// Evaluations after which `reference` begins with other states; at least as many as are compared.
-    /// Choice: 100.
+    ///
+    /// Unit: evaluations. Range: at least 1. Source: a choice.
     pub renewal: u64,
 }
 
@@ -58,15 +65,16 @@ impl ProbeConfig {
     /// Checks the ranges, for a probe that compares `window` evaluations.
     ///
     /// # Errors
-    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or held states with a `renewal`
-    /// below `window`: states that are renewed sooner could never fill it.
+    /// [`CurriculumError::Config`] for `replay_states` outside 1 to 1024, or a `renewal` of 0 or, for
+    /// held states, below `window`: states that are renewed sooner could never fill it.
     pub fn check(&self, window: usize) -> Result<(), CurriculumError> {
         let accepted = format!("in 1..={MOST_REPLAY_STATES}");
         let ok = (1..=MOST_REPLAY_STATES).contains(&self.replay_states);
         CurriculumError::require(ok, "replay_states", &accepted, self.replay_states)?;
         let accepted = format!("at least {window}, the evaluations that are compared");
         let ok = self.states != StateSource::Reference || self.renewal >= window as u64;
-        CurriculumError::require(ok, "renewal", &accepted, self.renewal)
+        CurriculumError::require(ok, "renewal", &accepted, self.renewal)?;
+        CurriculumError::require(self.renewal >= 1, "renewal", "at least 1", self.renewal)
     }
 }
 

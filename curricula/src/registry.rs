@@ -1,6 +1,7 @@
 //! The table of all teachers.
 
 use looks::Look;
+use schemars::Schema;
 use toml::Table;
 
 use crate::config::{Checked, Configured, table};
@@ -47,6 +48,8 @@ pub struct Entry {
     pub uses_pool: bool,
     /// The complete default config: every field.
     pub defaults: fn() -> Table,
+    /// [`Method::schema`].
+    pub schema: fn() -> Option<Schema>,
     /// Completes a config with defaults and checks every field's name, type and range: the only way to a
     /// teacher.
     pub configure: Configure,
@@ -71,6 +74,7 @@ impl Entry {
             source: M::SOURCE,
             look: M::LOOK,
             uses_pool: M::USES_POOL,
+            schema: M::schema,
             defaults: || table(&M::Config::default()),
             configure: |written| Ok(Box::new(Checked::<M>::new(written)?)),
         }

@@ -13,6 +13,7 @@ use reports::gate::GateError;
 use reports::schema::{RunKey, SCHEMA};
 use reports::store::StoreError;
 
+use crate::config::words::short;
 use crate::suggest::hint;
 
 /// What caused an error, where several kinds of error can.
@@ -323,7 +324,7 @@ impl HarnessError {
         name: &str,
         accepted: impl IntoIterator<Item = &'a str> + Clone,
     ) -> Self {
-        Self::Unknown { place: place.into(), kind, name: name.to_owned(), hint: hint(name, accepted) }
+        Self::Unknown { place: place.into(), kind, name: short(name), hint: hint(name, accepted) }
     }
 
     /// Wraps an I/O error: `.map_err(HarnessError::io(path, "write this file"))`.

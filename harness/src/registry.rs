@@ -1,9 +1,13 @@
 //! All environments and curricula that a command line knows.
 
+use std::sync::OnceLock;
+
 use curricula::Entry as CurriculumEntry;
 use envs::{Environment, Suite};
 use reports::schema::RunKey;
+use serde_json::Value as Json;
 
+use crate::config::schema;
 use crate::error::HarnessError;
 
 /// Lists of environments, suites and curricula. A program of your own can extend the built-in ones and then
@@ -14,6 +18,8 @@ pub struct Registry {
     environments: Vec<Environment>,
     suites: Vec<Suite>,
     curricula: Vec<CurriculumEntry>,
+    /// Made when it is first asked for.
+    config_schema: OnceLock<Json>,
 }
 
 impl Registry {
@@ -23,6 +29,7 @@ impl Registry {
             environments: envs::environments().cloned().collect(),
             suites: envs::SUITES.to_vec(),
             curricula: curricula::CURRICULA.to_vec(),
+            config_schema: OnceLock::new(),
         }
     }
 
@@ -34,7 +41,13 @@ impl Registry {
     pub fn with_curriculum(mut self, entry: CurriculumEntry) -> Self {
         assert!(self.curriculum(entry.id).is_none(), "there already is a curriculum `{}`", entry.id);
         self.curricula.push(entry);
+        self.config_schema = OnceLock::new();
         self
+    }
+
+    /// The JSON schema of a config, with the options of every curriculum.
+    pub fn config_schema(&self) -> &Json {
+        self.config_schema.get_or_init(|| schema::config(self))
     }
 
     /// Adds an environment.

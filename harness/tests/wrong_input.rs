@@ -7,23 +7,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use support::{goalbench, stderr, stdout, toy, toy_args};
-
-/// Runs goalbench, which must refuse with exit code 2 and say each of `expected`.
-fn refused(args: &[&str], expected: &[&str]) {
-    let output = goalbench(args);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    for part in expected {
-        assert!(message.contains(part), "{args:?}: expected {part:?} in\n{message}");
-    }
-}
-
-fn write(folder: &Path, text: &str) -> String {
-    let path = folder.join("protocol.toml");
-    fs::write(&path, text).expect("the test folder can be written");
-    path.to_str().expect("a test path is UTF-8").to_owned()
-}
+use support::{goalbench, refused, stderr, stdout, toy, toy_args, write_protocol as write};
 
 const HEAD: &str = "name = 'x'\nenvironments = ['Point']\ncurricula = ['teach']\nseeds = [0]\n";
 

@@ -10,14 +10,16 @@
 
 use looks::colours::BLACK;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting};
 use crate::error::CurriculumError;
 use crate::method::Method;
 
 /// HER-IID has no options.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct HerIidConfig {}
 
 /// The environment's own goals.
@@ -31,6 +33,10 @@ impl Method for HerIid {
     const LOOK: Option<Look> = Some(Look::new(BLACK, Dash::Dotted, Marker::Cross));
     const SOURCE: &'static str = "Andrychowicz et al., Hindsight Experience Replay, NeurIPS 2017";
     const USES_POOL: bool = false;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<HerIidConfig>())
+    }
 
     fn build(_config: HerIidConfig, _setting: &Setting) -> Result<Self, CurriculumError> {
         Ok(Self)

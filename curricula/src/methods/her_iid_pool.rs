@@ -11,15 +11,17 @@
 
 use looks::colours::GREY;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::method::Method;
 
 /// HER-IID-pool has no options; the pool's size is `pool.size`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct HerIidPoolConfig {}
 
 /// Uniform over the pool.
@@ -35,6 +37,10 @@ impl Method for HerIidPool {
     const LOOK: Option<Look> = Some(Look::new(GREY, Dash::Sparse, Marker::Wedge));
     const SOURCE: &'static str = "Control of this benchmark: HER-IID over a fixed pool of goals";
     const USES_POOL: bool = true;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<HerIidPoolConfig>())
+    }
 
     fn build(_config: HerIidPoolConfig, setting: &Setting) -> Result<Self, CurriculumError> {
         Ok(Self { curriculum: Distribution::uniform(setting.pool.len()) })

@@ -34,8 +34,10 @@ use std::sync::Arc;
 use envs::Goals;
 use looks::colours::GREEN;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
@@ -53,22 +55,28 @@ pub const FLAT: f64 = 8.0;
 const COMPARED: usize = 1;
 
 /// ProCuRL's options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct ProCurlConfig {
-    /// β, inverse temperature of the softmax; finite, at least 0 (uniform). Authors' code: 20.
+    /// β, inverse temperature of the softmax; with 0 all goals are alike.
+    ///
+    /// Unit: none. Range: at least 0. Source: the authors' code.
     pub beta: f64,
-    /// Vmin and Vmax: `fixed` (choice) or `adaptive`.
+    /// Vmin and Vmax, the values that stand for success with probability 0 and 1.
+    ///
+    /// Source: a choice.
     pub bounds: Bounds,
     /// How C(g) is measured. Networks: `online` (choice), `target` or `target-critic`. States: `initial`
     /// (authors' code), `reference` or `replay`.
     #[serde(flatten)]
     pub probe: ProbeConfig,
-    /// `softmax` (authors' code) or `argmax`.
+    /// How scores become a goal.
+    ///
+    /// Source: the authors' code.
     pub selection: ProCurlSelection,
 }
 
 /// The values that stand for success with probability 0 and 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bounds {
     /// The lowest and highest value there can be: −1/(1−γ) and 0.
@@ -79,7 +87,7 @@ pub enum Bounds {
 }
 
 /// How ProCuRL turns scores into a goal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProCurlSelection {
     /// A draw with weights exp(β score).
@@ -176,6 +184,10 @@ impl Method for ProCurl {
     const SOURCE: &'static str =
         "Tzannetos et al., Proximal Curriculum for Reinforcement Learning Agents, TMLR 2023";
     const USES_POOL: bool = true;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<ProCurlConfig>())
+    }
 
     fn check(config: &ProCurlConfig) -> Result<(), CurriculumError> {
         let ok = config.beta.is_finite() && config.beta >= 0.0;

@@ -51,8 +51,10 @@ use agents::Episode;
 use envs::Goals;
 use looks::colours::PURPLE;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Rank, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
@@ -66,17 +68,23 @@ use crate::state::PlainState;
 const COMPARED: usize = 2;
 
 /// SPaCE's options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct SpaceConfig {
-    /// η, relative change of the set's mean value that still counts as stagnation; finite, at least 0.
-    /// Authors' code: 0.1.
+    /// η, the relative change of the set's mean value that still counts as stagnation.
+    ///
+    /// Unit: none. Range: at least 0. Source: the authors' code.
     pub eta: f64,
-    /// κ, goals added when progress stagnates; at least 1. Authors' code: 1.
+    /// κ, goals added to the set when progress stagnates.
+    ///
+    /// Unit: goals. Range: at least 1. Source: the authors' code.
     pub kappa: usize,
-    /// What ranks goals for the set: `signed` (choice), `absolute` (default of the authors' code) or
-    /// `relative`.
+    /// What ranks goals for the set.
+    ///
+    /// Source: a choice; `absolute` is the default of the authors' code.
     pub order: Order,
-    /// Environment steps between two updates of the set; at least 1. Authors' code: 2048.
+    /// Environment steps between two updates of the set.
+    ///
+    /// Unit: steps. Range: at least 1. Source: the authors' code.
     pub update_steps: u64,
     /// How C(g) is measured. Networks: `online` (choice), `target` or `target-critic`. States: `reference`
     /// (choice), `replay` or `initial`. Its evaluations are the updates, and a `renewal` below 2 is refused.
@@ -85,7 +93,7 @@ pub struct SpaceConfig {
 }
 
 /// What ranks goals, best first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Order {
     /// Largest improvement V(t) − V(t−1).
@@ -248,6 +256,10 @@ impl Method for Space {
     const SOURCE: &'static str =
         "Eimer et al., Self-Paced Context Evaluation for Contextual Reinforcement Learning, ICML 2021";
     const USES_POOL: bool = true;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<SpaceConfig>())
+    }
 
     fn check(config: &SpaceConfig) -> Result<(), CurriculumError> {
         let SpaceConfig { eta, kappa, update_steps, .. } = *config;

@@ -50,8 +50,10 @@ use std::sync::Arc;
 use envs::Goals;
 use looks::colours::VERMILION;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
@@ -63,23 +65,32 @@ use crate::variance::rounding;
 use crate::window::Window;
 
 /// TEACH's options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct TeachConfig {
-    /// n, values in the window; at least 2. Paper: 10, and 3 in Figure 3.
+    /// n, how many values of each goal the window holds.
+    ///
+    /// Unit: values. Range: at least 2. Source: TEACH 5.2; 3 in its Figure 3.
     pub window: usize,
-    /// Δ, episodes between two computations of the curriculum; at least 1. Paper: 1.
+    /// Δ, the interplay frequency: training episodes between two computations of the curriculum.
+    ///
+    /// Unit: episodes. Range: at least 1. Source: TEACH 5.2.
     pub interplay: u64,
-    /// When a value of every goal is recorded: `cycle` (whenever the networks have changed) or `evaluation`
-    /// (when Δ is due).
+    /// When a value of every goal is recorded.
+    ///
+    /// Source: a choice; the paper leaves it open.
     pub record: Recording,
-    /// What counts as progress: `variance` (Eq. 8) or `difference` (a control).
+    /// What counts as learning progress.
+    ///
+    /// Source: TEACH, Eq. 8; `difference` is a control.
     pub signal: Signal,
     /// How C(g) is measured. Networks: `online` (paper), `target-critic` (Figure 3: the smooth value of the
     /// policy's action) or `target` (both averaged). States: `reference` (default) or `replay` (both after
     /// the paper's D), or `initial`. A `renewal` below n is refused.
     #[serde(flatten)]
     pub probe: ProbeConfig,
-    /// `proportional` (Eq. 11) or `argmax` (section 5.2).
+    /// How the curriculum becomes a goal.
+    ///
+    /// Source: TEACH, Eq. 11; `argmax`: section 5.2.
     pub selection: TeachSelection,
 }
 
@@ -129,7 +140,7 @@ pub static AXES: [AblationAxis; 3] = [
 ];
 
 /// When TEACH records a value of every goal: what Eq. 8 sums over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Recording {
     /// Whenever the networks have changed: with this student after every cycle.
@@ -140,7 +151,7 @@ pub enum Recording {
 }
 
 /// What TEACH takes for learning progress.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Signal {
     /// The variance of a goal's value over the window (Eq. 8).
@@ -169,7 +180,7 @@ impl Signal {
 }
 
 /// How TEACH turns the curriculum K into a goal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TeachSelection {
     /// A draw from K.
@@ -234,6 +245,10 @@ impl Method for Teach {
     const LOOK: Option<Look> = Some(Look::new(VERMILION, Dash::Solid, Marker::Circle));
     const SOURCE: &'static str = "Chaudhary and Behera, TEACH, arXiv 2512.22824";
     const USES_POOL: bool = true;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<TeachConfig>())
+    }
 
     fn check(config: &TeachConfig) -> Result<(), CurriculumError> {
         CurriculumError::require(config.window >= 2, "window", "at least 2", config.window)?;

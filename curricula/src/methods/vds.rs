@@ -48,8 +48,10 @@ use envs::rng::{Purpose, Rng, stream};
 use envs::{Goals, Reward, Rows};
 use looks::colours::BLUE;
 use looks::{Dash, Look, Marker};
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
@@ -59,24 +61,37 @@ use crate::state::TeacherState;
 use crate::variance::{population_variance, rounding};
 
 /// VDS's options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct VdsConfig {
-    /// E, critics in the ensemble; 2 to 64. Paper: 3.
+    /// E, critics in the ensemble.
+    ///
+    /// Unit: critics. Range: 2 to 64. Source: the paper.
     pub members: usize,
-    /// Fresh candidate goals per episode; 1 to 100,000. Paper: 1000.
+    /// Fresh candidate goals per episode.
+    ///
+    /// Unit: goals. Range: 1 to 100,000. Source: the paper.
     pub candidates: usize,
-    /// What disagreement is: `std` (paper), `var`, `tanh` or `exp`.
+    /// How disagreement between the critics is measured.
+    ///
+    /// Source: the paper.
     pub disagreement: Disagreement,
-    /// Gradient steps of every member per cycle of the student; 1 to 1,000,000. Auto: 40 (authors'
-    /// `vds_config`); with `student.preset = "official"` 100, after every single episode (the path that the
-    /// authors' README runs).
+    /// Gradient steps of every critic per cycle of the student.
+    ///
+    /// Unit: gradient steps. Range: 1 to 1,000,000. Auto: 40; with `student.preset = "official"` 100, after
+    /// every single episode. Source: the authors' `vds_config`; the path that their README runs.
     pub updates_per_cycle: Auto<usize>,
-    /// Transitions per gradient step and member; 1 to 65,536. Auto: the student's; with
-    /// `student.preset = "official"` 1000.
+    /// Transitions per gradient step and critic.
+    ///
+    /// Unit: transitions. Range: 1 to 65,536. Auto: the student's; with `student.preset = "official"` 1000.
+    /// Source: the authors' code.
     pub batch: Auto<usize>,
-    /// Adam's step size; positive and finite. Authors' code: 1e-3.
+    /// Adam's step size.
+    ///
+    /// Unit: none. Range: above 0. Source: the authors' code.
     pub learning_rate: f64,
-    /// Weight of the old target networks once per cycle; in [0, 1]. Auto: the student's.
+    /// Weight of the old target networks, which follow once per cycle.
+    ///
+    /// Unit: none. Range: 0 to 1. Auto: the student's. Source: the authors' code.
     pub polyak: Auto<f64>,
 }
 
@@ -95,7 +110,7 @@ impl Default for VdsConfig {
 }
 
 /// How far the members' values of a goal lie apart; `std` and `var` are those of the population of members.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Disagreement {
     /// Standard deviation.
@@ -267,6 +282,10 @@ impl Method for Vds {
     const SOURCE: &'static str =
         "Zhang, Abbeel and Pinto, Automatic Curriculum Learning through Value Disagreement, NeurIPS 2020";
     const USES_POOL: bool = false;
+
+    fn schema() -> Option<Schema> {
+        Some(schema_of::<VdsConfig>())
+    }
 
     fn check(config: &VdsConfig) -> Result<(), CurriculumError> {
         let VdsConfig { members, candidates, learning_rate, .. } = *config;

@@ -1,8 +1,9 @@
 //! Flags that several commands take, for `#[command(flatten)]`.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::config::seeds;
+use crate::config::{count, seeds};
 use crate::error::HarnessError;
 use crate::protocol::presets;
 
@@ -107,6 +108,21 @@ impl SeedsFlag {
     /// [`HarnessError::Argument`] if they cannot be read.
     pub(super) fn or(&self, others: Vec<u64>) -> Result<Vec<u64>, HarnessError> {
         self.seeds.as_deref().map_or(Ok(others), |text| parse_seeds("--seeds", text))
+    }
+}
+
+/// A count of steps, episodes or cycles, for `value_parser`: digits, or as in 1e5 and 100k.
+pub(super) fn count(text: &str) -> Result<u64, String> {
+    count::parse(text)
+}
+
+/// The same within a range.
+pub(super) fn count_in(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<u64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let count = count::parse(text)?;
+        if range.contains(&count) { Ok(count) } else { Err(format!("{count} is not in {range:?}")) }
     }
 }
 

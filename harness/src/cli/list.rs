@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::config;
-use crate::protocol::presets::PRESETS;
+use crate::protocol::{self, presets::PRESETS};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// What to list; everything but `config` if left out
+    /// What to list; everything but `config` and `schema` if left out
     what: Option<What>,
     /// Print JSON
     #[arg(long)]
@@ -29,6 +29,8 @@ enum What {
     Presets,
     /// Every config field with its default, as TOML
     Config,
+    /// The JSON schema of protocol files, for editors
+    Schema,
 }
 
 pub(super) fn list(registry: &Registry, args: &Args) -> Exit {
@@ -84,6 +86,7 @@ fn as_json(registry: &Registry, what: What) -> Value {
             .map(|preset| json!({ "name": preset.id, "description": preset.title }))
             .collect(),
         What::Config => json!(config::defaults(registry)),
+        What::Schema => protocol::schema(registry),
     }
 }
 
@@ -109,6 +112,7 @@ fn as_text(registry: &Registry, what: What) -> String {
             format!("preset\n{}", lines.collect::<String>())
         }
         What::Config => config::defaults(registry).to_string(),
+        What::Schema => format!("{:#}\n", protocol::schema(registry)),
     }
 }
 

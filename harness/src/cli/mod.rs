@@ -22,8 +22,10 @@
 
 mod evaluate;
 mod flags;
+mod help;
 mod list;
 mod merge;
+mod misuse;
 mod profile;
 mod protocol;
 mod regress;
@@ -41,6 +43,8 @@ use guard::text::shown;
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
+use crate::protocol::Protocol;
+use crate::protocol::plan::Plan;
 use crate::sweep::{ExitCode, local, trial, worker};
 
 /// Benchmarks automatic curricula for goal-conditioned reinforcement learning.
@@ -50,7 +54,8 @@ use crate::sweep::{ExitCode, local, trial, worker};
     version = env!("GOALBENCH_VERSION"),
     max_term_width = 100,
     arg_required_else_help = true,
-    args_override_self = true
+    args_override_self = true,
+    disable_help_subcommand = true
 )]
 struct Cli {
     #[command(subcommand)]
@@ -81,6 +86,8 @@ enum Command {
     Profile(profile::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
+    /// Explain a command, every config field (`help config`), or the JSON that commands print (`help json`)
+    Help(help::Args),
     /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
     #[command(hide = true)]
     Worker {
@@ -111,7 +118,7 @@ enum Command {
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
-    let cli = Cli::parse();
+    let cli: Cli = misuse::parse();
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -124,6 +131,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Regress(args) => regress::regress(&registry, &args),
         Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
+        Command::Help(args) => help::help(&registry, misuse::command::<Cli>(), &args),
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
         Command::TryRuns => trial::try_runs(&registry),
@@ -155,6 +163,13 @@ fn print(text: &str) {
 /// Writes a line to standard error, as [`print`] does.
 fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", shown(text));
+}
+
+/// Warns of what changes nothing in a plan.
+fn warn_of_idle(protocol: &Protocol, plan: &Plan) {
+    for note in protocol.idle(plan) {
+        complain(&format!("goalbench: warning: {note}"));
+    }
 }
 
 type Exit = Result<ExitCode, HarnessError>;

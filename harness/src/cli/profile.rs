@@ -1,6 +1,7 @@
 //! `goalbench profile`.
 
-use super::{Exit, print};
+use super::flags::count_in;
+use super::{Exit, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
@@ -22,7 +23,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "ID")]
     curriculum: String,
     /// Cycles to train: with the default config 2 episodes and 40 gradient steps each
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = count_in(1..=100_000))]
     cycles: u64,
     /// Any config field but the budget, as in student.device=cuda [repeatable]
     #[arg(long = "set", value_name = "PATH=VALUE")]
@@ -74,6 +75,7 @@ fn plan(registry: &Registry, args: &Args) -> Result<PlannedRun, HarnessError> {
         protocol.set(layer);
     }
     let mut plan = Plan::new(&protocol, registry)?;
+    warn_of_idle(&protocol, &plan);
     Ok(plan.runs.remove(0))
 }
 

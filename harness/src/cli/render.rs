@@ -9,6 +9,7 @@ use envs::GoalEnv;
 use envs::render::{Image, Renderer};
 use envs::rng::{Purpose, Rng, stream};
 
+use super::flags::count_in;
 use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
@@ -31,7 +32,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Episodes to draw
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = count_in(1..=1000))]
     episodes: u64,
     /// Seed of starts, goals and random actions
     #[arg(long, value_name = "N", default_value_t = 0)]

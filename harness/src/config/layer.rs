@@ -6,6 +6,7 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
+use super::words::short;
 use crate::error::HarnessError;
 
 /// A TOML document with its text, so that errors can name lines.
@@ -22,12 +23,20 @@ impl Document {
     /// [`HarnessError::Protocol`] naming the line, if it is not TOML.
     pub fn parse(name: &str, text: &str) -> Result<(Self, Table), HarnessError> {
         let document = Self { name: name.into(), text: text.into() };
+        let refuse = |span, reason| Err(HarnessError::Protocol { place: document.at(span), reason });
+        if text.len() > LARGEST {
+            return refuse(
+                None,
+                format!("is larger than {LARGEST} bytes, the most that a protocol may have"),
+            );
+        }
         match text.parse::<Table>() {
+            Ok(table) if is_deeper_than(&table, DEEPEST) => {
+                let reason = "its tables and lists are nested too deeply";
+                refuse(None, format!("{reason}; at most {DEEPEST} within each other are accepted"))
+            }
             Ok(table) => Ok((document, table)),
-            Err(error) => Err(HarnessError::Protocol {
-                place: document.at(error.span()),
-                reason: error.message().trim().replace('\n', ", "),
-            }),
+            Err(error) => refuse(error.span(), in_words(&error, text)),
         }
     }
 
@@ -45,6 +54,34 @@ impl Document {
             }
             None => self.name.to_string(),
         }
+    }
+}
+
+/// The most bytes of a document.
+const LARGEST: usize = 1 << 20;
+/// The most tables and lists within each other, also as names in a path; the config has four.
+const DEEPEST: usize = 16;
+
+fn is_deeper_than(table: &Table, most: usize) -> bool {
+    fn deeper(value: &Value, most: usize) -> bool {
+        match value {
+            Value::Table(table) => is_deeper_than(table, most),
+            Value::Array(items) => most == 0 || items.iter().any(|item| deeper(item, most - 1)),
+            _ => false,
+        }
+    }
+    most == 0 || table.values().any(|value| deeper(value, most - 1))
+}
+
+/// Why `text` is not TOML.
+fn in_words(error: &toml::de::Error, text: &str) -> String {
+    let message = error.message().trim().replace('\n', ", ");
+    let at = error.span().and_then(|span| text.get(span)).map(short).unwrap_or_default();
+    match message.as_str() {
+        "duplicate key" => format!("`{at}` is given twice"),
+        "recursion limit" => format!("has a path of more than {DEEPEST} names"),
+        _ if message.contains("recurs") => "its tables and lists are nested too deeply".to_owned(),
+        _ => message,
     }
 }
 
@@ -103,18 +140,31 @@ impl ConfigLayer {
     /// read as TOML, and as a plain string where it is none.
     ///
     /// # Errors
-    /// [`HarnessError::Argument`] if there is no `=` or the path is empty.
+    /// [`HarnessError::Argument`] if there is no `=`, if the path has an empty name or too many, or if the
+    /// value is nested too deeply.
     pub fn from_assignment(option: &'static str, assignment: &str) -> Result<Self, HarnessError> {
         let wrong = |reason: String| HarnessError::Argument { option, reason };
+        let told = short(assignment);
         let (path, value) = assignment.split_once('=').ok_or_else(|| {
-            wrong(format!("`{assignment}` has no `=`; accepted: path=value, as in curriculum.teach.window=5"))
+            wrong(format!("`{told}` has no `=`; accepted: path=value, as in curriculum.teach.window=5"))
         })?;
+        let names = path.split('.').count();
+        if names > DEEPEST {
+            return Err(wrong(format!(
+                "`{told}` has a path of {names} names; at most {DEEPEST} are accepted"
+            )));
+        }
         let path: Vec<&str> = path.trim().split('.').collect();
         if path.iter().any(|segment| segment.is_empty()) {
-            return Err(wrong(format!("`{assignment}` has an empty name in its path")));
+            return Err(wrong(format!("`{told}` has an empty name in its path")));
         }
-        let value = parse_value(value.trim());
-        Ok(Self { origin: Origin::Option(format!("{option} {assignment}")), table: nest(&path, value) })
+        let table = nest(&path, parse_value(value.trim()));
+        if is_deeper_than(&table, DEEPEST) {
+            return Err(wrong(format!(
+                "`{told}` is nested too deeply; at most {DEEPEST} levels are accepted"
+            )));
+        }
+        Ok(Self { origin: Origin::Option(format!("{option} {told}")), table })
     }
 
     /// The layer of an option that stands for one config path.
@@ -205,6 +255,33 @@ mod tests {
         assert_eq!(get("a=1\nb=2")["a"].as_str(), Some("1\nb=2"), "no smuggling of a second key");
         assert!(set("budget.steps").is_err());
         assert!(set(".steps=1").is_err());
+    }
+
+    #[test]
+    fn what_is_nested_too_deeply_is_refused_and_told_in_short() {
+        let nested = |open: &str, close: &str, times| open.repeat(times) + "1" + &close.repeat(times);
+        for assignment in [
+            format!("{}=1", ["a"; 20_000].join(".")),
+            format!("a={}", nested("[", "]", 30)),
+            format!("a={}", nested("{ a.a.a.a = ", " }", 60)),
+        ] {
+            let error = ConfigLayer::from_assignment("--set", &assignment).expect_err("too deep").to_string();
+            assert!(error.contains("at most 16") && error.len() < 300, "{error}");
+        }
+        for text in [
+            format!("{} = 1", ["a"; 20_000].join(".")),
+            format!("[{}]", ["a"; 20_000].join(".")),
+            format!("a = {}", nested("[", "]", 20_000)),
+            format!("a = {}", nested("{ a = ", " }", 20_000)),
+            format!("a = {}", nested("{ a.a.a.a = ", " }", 60)),
+            "#".repeat(2 << 20),
+        ] {
+            let error = Document::parse("p.toml", &text).expect_err("too much").to_string();
+            let words = ["nested too deeply", "more than 16 names", "is larger than 1048576 bytes"];
+            assert!(words.iter().any(|words| error.contains(words)) && error.len() < 300, "{error}");
+        }
+        let twice = Document::parse("p.toml", "[a]\nb = 1\nb = 2\n").expect_err("twice").to_string();
+        assert_eq!(twice, "p.toml:3: `b` is given twice");
     }
 
     #[test]

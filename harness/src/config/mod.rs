@@ -4,25 +4,33 @@
 //! `curriculum.teach.window`. Low to high: the environment's defaults, the student's preset, the
 //! protocol's tables, its overrides, the variant's patch, the command line.
 
+pub mod count;
+pub mod fit;
 pub mod layer;
+pub mod notes;
+pub mod reference;
+pub mod schema;
 pub mod seeds;
 pub mod streams;
 pub mod strict;
+pub mod words;
 
 use agents::{Auto, Preset, StudentConfig};
 use curricula::Entry as CurriculumEntry;
 use envs::Spec;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use crate::Registry;
 use crate::error::HarnessError;
+use fit::fit;
 use layer::{ConfigLayer, merge, place_of};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
 
 /// Everything that decides a run's bytes, apart from environment id and seed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunConfig {
     /// How long to train.
@@ -39,33 +47,45 @@ pub struct RunConfig {
     /// The student's hyper-parameters, every `auto` that stands for a number replaced by it.
     pub student: StudentConfig,
     /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`.
+    #[schemars(with = "()")]
     pub curriculum: Table,
 }
 
 /// `budget`: how long to train.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
     /// Environment steps of training; whole cycles are run until at least this many are taken.
+    ///
+    /// Unit: steps. Range: 1 to 1,000,000,000. Auto: the environment's. Source: TEACH 5.2.
+    #[schemars(with = "Auto<u64>")]
     pub steps: u64,
 }
 
 /// `evaluation`: how success is measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evaluation {
-    /// Environment steps between evaluations: one follows the first cycle that reaches each multiple.
+    /// Environment steps between evaluations: one follows the first cycle that reaches each multiple. One
+    /// cycle is the least.
+    ///
+    /// Unit: steps. Range: at least 1. Auto: the environment's. Source: TEACH 5.2.
+    #[schemars(with = "Auto<u64>")]
     pub every: u64,
     /// Greedy episodes per evaluation.
+    ///
+    /// Unit: episodes. Range: 1 to 1,000,000. Source: a choice.
     pub episodes: u64,
     /// Where their goals come from.
+    ///
+    /// Source: a choice; TEACH 5.2 can be read in two ways.
     #[serde(default)]
     pub goals: EvaluationGoals,
 }
 
 /// Where the goals of evaluations come from: two readings of TEACH 5.2, "randomly sampling goals from the
 /// goal space", which "consists of N goals".
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EvaluationGoals {
     /// Drawn by the environment at the reset: goals that no curriculum chose from.
@@ -76,18 +96,22 @@ pub enum EvaluationGoals {
 }
 
 /// `physics`: options of MuJoCo environments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table with the key `native_ccd`")]
 pub struct PhysicsOptions {
     /// MuJoCo's native convex collision detection; `false` is closest to the paper's MuJoCo.
+    ///
+    /// Source: a choice.
     pub native_ccd: bool,
 }
 
 /// `pool`: the candidate goals that pool curricula choose from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pool {
-    /// N, number of goals (TEACH 5.2: 1000).
+    /// N, number of goals, drawn once per run.
+    ///
+    /// Unit: goals. Range: 1 to 1,000,000. Source: TEACH 5.2.
     pub size: usize,
 }
 
@@ -158,6 +182,8 @@ fn try_resolve(
     for layer in layers {
         merge(&mut table, &layer.table);
     }
+    let mut table = Value::Table(table);
+    fit(registry.config_schema(), &mut table, "")?;
     let written: PartialConfig = strict::read(table, "")?;
     let student = read_student(written.student, spec)?;
     let config = RunConfig {
@@ -183,10 +209,10 @@ fn read_student(written: Table, spec: &Spec) -> Result<StudentConfig, FieldError
         #[serde(default)]
         preset: Preset,
     }
-    let chosen: Chosen = strict::read(written.clone(), "student")?;
+    let chosen: Chosen = strict::read(Value::Table(written.clone()), "student")?;
     let mut table = to_table(&StudentConfig::preset(chosen.preset));
     merge(&mut table, &written);
-    let config: StudentConfig = strict::read(table, "student")?;
+    let config: StudentConfig = strict::read(Value::Table(table), "student")?;
     config.resolve(spec).map_err(|error| match error {
         agents::AgentError::Config { field, reason } => field_error("student", field, &reason),
         other => field_error("student", "", &other.to_string()),
@@ -195,18 +221,10 @@ fn read_student(written: Table, spec: &Spec) -> Result<StudentConfig, FieldError
 
 /// Checks every curriculum's table and keeps the one that the run uses, completed.
 fn read_curricula(written: Table, registry: &Registry, own: &CurriculumEntry) -> Result<Table, FieldError> {
-    for (id, value) in &written {
-        let path = format!("curriculum.{id}");
-        let Some(entry) = registry.curriculum(id) else {
-            let names = registry.curricula().iter().map(|entry| entry.id).collect::<Vec<_>>();
-            let reason =
-                format!("unknown curriculum `{id}`{}", crate::suggest::hint(id, names.iter().copied()));
-            return Err(FieldError { path, reason });
-        };
-        let Value::Table(table) = value else {
-            return Err(FieldError { path, reason: format!("expected a table, got {}", value.type_str()) });
-        };
-        complete(entry, table)?;
+    for entry in registry.curricula() {
+        if let Some(Value::Table(table)) = written.get(entry.id) {
+            complete(entry, table)?;
+        }
     }
     let own_table = match written.get(own.id) {
         Some(Value::Table(table)) => complete(own, table)?,
@@ -242,9 +260,6 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
         ("budget.steps", config.budget.steps, MOST_STEPS),
         ("evaluation.episodes", config.evaluation.episodes, MOST),
         ("pool.size", config.pool.size as u64, MOST),
-        ("student.width", config.student.width as u64, 16_384),
-        ("student.replay_capacity", config.student.replay_capacity as u64, MOST_STEPS),
-        ("student.updates_per_cycle", config.student.updates_per_cycle as u64, MOST),
     ];
     for (path, value, most) in sizes {
         if !(1..=most).contains(&value) {
@@ -252,9 +267,6 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
         }
     }
     let (batch, width) = (config.student.batch() as u64, config.student.width as u64);
-    if batch > MOST {
-        return wrong("student.batch", format!("is {batch}; must be 1 to {MOST}"));
-    }
     let between_layers = config.student.layers(spec).saturating_sub(1) as u64;
     let products = [
         (
@@ -295,6 +307,7 @@ pub fn defaults(registry: &Registry) -> Table {
     table
 }
 
-fn to_table(value: &impl Serialize) -> Table {
+/// A config as a table.
+pub(crate) fn to_table(value: &impl Serialize) -> Table {
     Table::try_from(value).expect("config structs serialise as tables")
 }

@@ -1,5 +1,7 @@
 //! Lists of seeds: `0..7`, `0,3`, `0..3,10`.
 
+use super::words::short;
+
 /// Parses a list of seeds: numbers and half-open ranges (`0..7` is 0 to 6), separated by commas.
 ///
 /// # Errors
@@ -7,13 +9,14 @@
 pub fn parse(text: &str) -> Result<Vec<u64>, String> {
     let mut seeds = Vec::new();
     for part in text.split(',').map(str::trim) {
-        let bad = || format!("`{part}` is not a seed; accepted: numbers and ranges such as `0..7` or `0,3`");
+        let told = short(part);
+        let bad = || format!("`{told}` is not a seed; accepted: numbers and ranges such as `0..7` or `0,3`");
         match part.split_once("..") {
             Some((from, to)) => {
                 let from: u64 = from.trim().parse().map_err(|_| bad())?;
                 let to: u64 = to.trim().parse().map_err(|_| bad())?;
                 if from >= to {
-                    return Err(format!("the range `{part}` is empty; `0..7` means the seeds 0 to 6"));
+                    return Err(format!("the range `{told}` is empty; `0..7` means the seeds 0 to 6"));
                 }
                 // Counted before it is built.
                 check_number((to - from).saturating_add(seeds.len() as u64))?;

@@ -2,31 +2,45 @@
 
 use agents::Auto;
 use envs::rng::{Purpose, Rng, stream};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `seed`: the seed of each kind of random draws; `auto` is the run's own.
 ///
 /// Hold one fixed while the run's seed varies, and its share of the spread over seeds is gone.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    default,
-    expecting = "a table of seeds by kind, as in { pool = 3 }; the seeds of runs are `seeds`"
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[schemars(extend(
+    "x-expecting" = "a table of seeds by kind, as in { pool = 3 }; the seeds of runs are `seeds`"
+))]
 pub struct StreamSeeds {
     /// Initial weights of the student.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub weights: Auto<u64>,
     /// Start states and native goals of training episodes.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub environment: Auto<u64>,
     /// Exploration noise.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub exploration: Auto<u64>,
     /// Batches and hindsight goals.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub replay: Auto<u64>,
     /// What the teacher draws, and the initial weights of its own networks.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub teacher: Auto<u64>,
     /// The pool of candidate goals.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub pool: Auto<u64>,
     /// Start states and goals of evaluations.
+    ///
+    /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub evaluation: Auto<u64>,
 }
 

@@ -1,8 +1,9 @@
 //! Typed reading of a table with errors that name the path, the accepted names and the nearest one.
 
 use serde::de::DeserializeOwned;
-use toml::{Table, Value};
+use toml::Value;
 
+use super::words::short;
 use crate::suggest::closest;
 
 /// What is wrong with a field.
@@ -18,8 +19,8 @@ pub struct FieldError {
 ///
 /// # Errors
 /// The path of the first field that does not fit, with what is accepted there.
-pub fn read<T: DeserializeOwned>(table: Table, prefix: &str) -> Result<T, FieldError> {
-    serde_path_to_error::deserialize(Value::Table(table)).map_err(|error| {
+pub fn read<T: DeserializeOwned>(value: Value, prefix: &str) -> Result<T, FieldError> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
         let inner = error.path().to_string();
         let message = error.inner().message().trim().replace('\n', " ");
         field_error(prefix, if inner == "." { "" } else { &inner }, &message)
@@ -41,11 +42,68 @@ pub fn field_error(prefix: &str, inner: &str, message: &str) -> FieldError {
             let kind = if message.starts_with("unknown field") { "unknown key" } else { "unknown value" };
             let suggestion = closest(typed, accepted.iter().copied())
                 .map_or(String::new(), |name| format!("; did you mean `{name}`?"));
-            format!("{kind} `{typed}`{suggestion} (accepted: {})", accepted.join(", "))
+            format!("{kind} `{}`{suggestion} (accepted: {})", short(typed), accepted.join(", "))
         }
-        _ => message.to_owned(),
+        _ => plain(message),
     };
     FieldError { path: path.join("."), reason }
+}
+
+/// Serde's complaint about a value of a wrong type, in words that do not take a programmer. It reaches a user
+/// only for options whose types are not known beforehand: those of curricula without a schema.
+fn plain(message: &str) -> String {
+    if let Some(field) = message.strip_prefix("missing field ") {
+        return format!("{field} is missing");
+    }
+    let complaint =
+        ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
+    match complaint.and_then(|complaint| complaint.split_once(", expected ")) {
+        Some((found, wanted)) => format!("is {}; must be {}", value_in_words(found), type_in_words(wanted)),
+        None => ranges_in_words(message),
+    }
+}
+
+/// `message` with `2 to 64` for `in 2..=64`.
+fn ranges_in_words(message: &str) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for word in message.split(' ') {
+        if word.contains("..=") {
+            words.pop_if(|before| before == "in");
+        }
+        words.push(word.replace("..=", " to "));
+    }
+    words.join(" ")
+}
+
+/// What serde found, as in ``integer `3` ``.
+fn value_in_words(found: &str) -> String {
+    match found {
+        "map" => "a table".to_owned(),
+        "sequence" => "a list".to_owned(),
+        "unit variant" => "no accepted name".to_owned(),
+        _ => match (found.split_once('`'), found.strip_prefix("string ")) {
+            (Some((_, value)), None) => short(value.trim_end_matches('`')),
+            (_, Some(text)) => short(text),
+            _ => found.to_owned(),
+        },
+    }
+}
+
+/// What serde wanted, as in `usize`.
+fn type_in_words(wanted: &str) -> &str {
+    match wanted {
+        "u8" | "u16" | "u32" | "u64" | "u128" | "usize" => "a whole number of at least 0, and not too large",
+        "i8" | "i16" | "i32" | "i64" | "i128" | "isize" => "a whole number",
+        "f32" | "f64" => "a number",
+        "a boolean" => "true or false",
+        "a string" => "a text",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        "string or map" | "string only" | "variant identifier" => "one of the accepted names",
+        _ if wanted.starts_with("struct ") => "a table",
+        _ if wanted.starts_with("internally tagged enum ") => "a table with a key that says its kind",
+        _ => wanted,
+    }
 }
 
 #[cfg(test)]
@@ -75,7 +133,7 @@ mod tests {
     }
 
     fn error(text: &str) -> FieldError {
-        read::<Outer>(text.parse().expect("TOML"), "curriculum").expect_err(text)
+        read::<Outer>(Value::Table(text.parse().expect("TOML")), "curriculum").expect_err(text)
     }
 
     #[test]
@@ -91,6 +149,27 @@ mod tests {
         );
         let kind = error("[inner]\nwindow = -1\nkind = 'target'");
         assert_eq!(kind.path, "curriculum.inner.window");
-        assert!(kind.reason.contains("-1"), "{}", kind.reason);
+        assert_eq!(kind.reason, "is -1; must be a whole number of at least 0, and not too large");
+    }
+
+    #[test]
+    fn ranges_are_told_in_words() {
+        let told = field_error("", "members", "must be \"auto\" or in 2..=64, got 99").reason;
+        assert_eq!(told, "must be \"auto\" or 2 to 64, got 99");
+    }
+
+    #[test]
+    fn no_complaint_takes_a_programmer() {
+        for (text, reason) in [
+            ("inner = 3", "is 3; must be a table"),
+            ("[inner]\nwindow = 'x'\nkind = 'target'", "is \"x\"; must be a whole number"),
+            ("[inner]\nwindow = 1.5\nkind = 'target'", "is 1.5; must be a whole number"),
+            ("[inner]\nwindow = [1]\nkind = 'target'", "is a list; must be a whole number"),
+            ("[inner]\nwindow = 1\nkind = 3", "must be one of the accepted names"),
+            ("[inner]\nkind = 'target'", "`window` is missing"),
+        ] {
+            let found = error(text).reason;
+            assert!(found.contains(reason), "{text}: {found}");
+        }
     }
 }

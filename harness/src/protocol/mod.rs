@@ -2,18 +2,22 @@
 //!
 //! It is read from TOML, a file or a preset, then changed by the command line, and becomes a [`plan::Plan`].
 
+mod header;
+mod idle;
 mod name;
 pub mod plan;
 pub mod presets;
 
-use serde::Deserialize;
 use toml::Table;
 
 use crate::Registry;
 use crate::config::layer::{ConfigLayer, Document, Origin, merge};
-use crate::config::strict::{self, FieldError};
+use crate::config::strict::FieldError;
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
+use header::{Header, Seeds, WrittenPatch, WrittenVariant};
+
+pub use header::schema;
 
 /// Label of the variant of a protocol that names none.
 pub const DEFAULT_VARIANT: &str = "default";
@@ -39,6 +43,8 @@ pub struct Protocol {
     pub variants: Vec<Variant>,
     /// Config from the command line, above everything else.
     pub options: Vec<ConfigLayer>,
+    /// What in its document changes nothing, a sentence each.
+    idle_in_document: Vec<String>,
 }
 
 /// A layer of config with the environments and curricula that it applies to.
@@ -69,67 +75,6 @@ pub struct Variant {
     pub patch: Patch,
 }
 
-/// The keys of a protocol document that are not config.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Header {
-    name: String,
-    #[serde(default)]
-    description: String,
-    environments: Vec<String>,
-    curricula: Vec<String>,
-    seeds: Seeds,
-    #[serde(default, rename = "override")]
-    overrides: Vec<WrittenPatch>,
-    #[serde(default, rename = "variant")]
-    variants: Vec<WrittenVariant>,
-    // Config sections stand here so that a mistyped one is answered with the accepted names. Their contents
-    // are checked when the runs are planned.
-    #[serde(default, rename = "budget")]
-    _budget: Table,
-    #[serde(default, rename = "evaluation")]
-    _evaluation: Table,
-    #[serde(default, rename = "physics")]
-    _physics: Table,
-    #[serde(default, rename = "pool")]
-    _pool: Table,
-    #[serde(default, rename = "seed")]
-    _seed: Table,
-    #[serde(default, rename = "student")]
-    _student: Table,
-    #[serde(default, rename = "curriculum")]
-    _curriculum: Table,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a list of seeds such as [0, 3], or a range such as \"0..7\"")]
-enum Seeds {
-    List(Vec<u64>),
-    Text(String),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenPatch {
-    #[serde(default)]
-    environments: Vec<String>,
-    #[serde(default)]
-    curricula: Vec<String>,
-    set: Table,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenVariant {
-    label: String,
-    #[serde(default)]
-    environments: Vec<String>,
-    #[serde(default)]
-    curricula: Vec<String>,
-    #[serde(default)]
-    set: Table,
-}
-
 impl Protocol {
     /// Parses a protocol; `name` is what errors call the document.
     ///
@@ -138,7 +83,9 @@ impl Protocol {
     pub fn parse(name: &str, text: &str, registry: &Registry) -> Result<Self, HarnessError> {
         let (document, table) = Document::parse(name, text)?;
         let reader = Reader { document, registry };
-        let header = reader.header(table.clone())?;
+        let (base, keys): (Table, Table) =
+            table.into_iter().partition(|(key, _)| SECTIONS.contains(&key.as_str()));
+        let header = reader.header(keys)?;
         let wrong_seeds = |reason| reader.config_error("seeds", reason);
         let mut overrides = Vec::new();
         for (index, written) in header.overrides.into_iter().enumerate() {
@@ -146,9 +93,8 @@ impl Protocol {
         }
         let variants = reader.variants(header.variants)?;
         name::check(&header.name).map_err(|reason| reader.error(&["name"], reason))?;
-        let base = table.into_iter().filter(|(key, _)| SECTIONS.contains(&key.as_str())).collect();
         let at = |key| reader.prefix(&[key]);
-        let protocol = Self {
+        let mut protocol = Self {
             name: header.name,
             description: header.description,
             environments: registry.expand_environments(&header.environments, &at("environments"))?,
@@ -162,6 +108,7 @@ impl Protocol {
             overrides,
             variants,
             options: Vec::new(),
+            idle_in_document: Vec::new(),
         };
         for (key, empty) in [
             ("environments", protocol.environments.is_empty()),
@@ -172,6 +119,7 @@ impl Protocol {
                 return Err(reader.error(&[key], format!("`{key}` is empty; name at least one")));
             }
         }
+        protocol.idle_in_document = idle::of_document(&protocol);
         Ok(protocol)
     }
 
@@ -188,6 +136,7 @@ impl Protocol {
             overrides: Vec::new(),
             variants: Vec::new(),
             options: Vec::new(),
+            idle_in_document: Vec::new(),
         }
     }
 
@@ -230,7 +179,7 @@ impl Reader<'_> {
     }
 
     fn header(&self, table: Table) -> Result<Header, HarnessError> {
-        strict::read(table, "").map_err(|FieldError { path, reason }| {
+        Header::read(table).map_err(|FieldError { path, reason }| {
             if path.is_empty() { self.error(&[""], reason) } else { self.config_error(&path, reason) }
         })
     }
@@ -271,7 +220,8 @@ fn check_label(label: &str) -> Result<(), String> {
     let fine = |c: char| c.is_ascii_alphanumeric() || "-_.=+".contains(c);
     if label.is_empty() || label.starts_with('.') || label.len() > 80 || !label.chars().all(fine) {
         return Err(format!(
-            "`{label}` cannot be a label; accepted: up to 80 letters, digits and -_.=+, not starting with a dot"
+            "`{}` cannot be a label; accepted: up to 80 letters, digits and -_.=+, not starting with a dot",
+            short(label)
         ));
     }
     Ok(())

@@ -64,6 +64,17 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The config of every kind of run, as TOML: a table for each, named as in `"MazeA/teach/default"`.
+    pub fn configs(&self) -> String {
+        let kinds = self.runs.iter().map(|run| {
+            let RunKey { environment, curriculum, variant, .. } = &run.key;
+            (format!("{environment}/{curriculum}/{variant}"), config::to_table(&run.config).into())
+        });
+        kinds.collect::<toml::Table>().to_string()
+    }
+}
+
 /// More runs than this are a slip of the keyboard, and their configs would fill the memory.
 const MOST_RUNS: usize = 20_000;
 

@@ -102,3 +102,20 @@ pub(crate) fn stderr(output: &Output) -> String {
 pub(crate) fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
+
+/// Runs goalbench, which must refuse with exit code 2 and say each of `expected`.
+pub(crate) fn refused(args: &[&str], expected: &[&str]) {
+    let output = goalbench(args);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    for part in expected {
+        assert!(message.contains(part), "{args:?}: expected {part:?} in\n{message}");
+    }
+}
+
+/// Writes a protocol into `folder` and gives its path.
+pub(crate) fn write_protocol(folder: &Path, text: &str) -> String {
+    let path = folder.join("protocol.toml");
+    std::fs::write(&path, text).expect("the test folder can be written");
+    path.to_str().expect("a test path is UTF-8").to_owned()
+}

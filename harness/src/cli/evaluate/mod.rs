@@ -14,7 +14,7 @@ use reports::schema::RunKey;
 use reports::store::cells::{CellMember, OddOne, odd_ones};
 use serde_json::Value;
 
-use super::flags::JobsFlag;
+use super::flags::{JobsFlag, count_in};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -36,7 +36,7 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Episodes of each run
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count_in(1..=1_000_000))]
     episodes: u64,
     /// Seed of starts and goals
     #[arg(long, value_name = "N", default_value_t = 0)]

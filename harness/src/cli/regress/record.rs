@@ -10,8 +10,8 @@ use reports::gate::{Baseline, cells};
 use super::options::{RunsArgs, SettingsArgs};
 use super::{Exit, print};
 use crate::Registry;
-use crate::cli::complain;
 use crate::cli::flags::{ProtocolFlags, ProtocolText, SeedsFlag, parse_seeds};
+use crate::cli::{complain, warn_of_idle};
 use crate::error::{HarnessError, chain};
 use crate::outputs;
 use crate::protocol::Protocol;
@@ -58,6 +58,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
         None => protocol.seeds.iter().copied().take(CHECK_SEEDS).collect(),
     };
     let plan = Plan::new(&protocol, registry)?;
+    warn_of_idle(&protocol, &plan);
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };
     let found = cells::read(results.path(), &regress::expected(&plan))?;
     if let Some(failure) = found.failures.first() {

@@ -5,8 +5,8 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
-use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag};
-use super::{Exit, complain, print};
+use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, count};
+use super::{Exit, complain, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
@@ -32,13 +32,13 @@ pub(super) struct Args {
     curricula: Vec<String>,
     #[command(flatten)]
     seeds: SeedsFlag,
-    /// Training steps per run; short for --set budget.steps=N
-    #[arg(long, value_name = "N")]
+    /// Training steps per run, as in 100000, 1e5 or 100k; short for --set budget.steps=N
+    #[arg(long, value_name = "N", value_parser = count)]
     steps: Option<u64>,
     /// Where the student computes: cpu or cuda; short for --set student.device=NAME
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
-    /// Any config field, as in curriculum.teach.window=5; `goalbench list config` shows them all [repeatable]
+    /// Any config field, as in curriculum.teach.window=5; `goalbench help config` explains them all [repeatable]
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Results folder [default: results/NAME, after the protocol's name]
@@ -75,6 +75,9 @@ pub(super) struct Args {
     /// Print the plan and what it would take at this machine's speed, and change nothing
     #[arg(long)]
     dry_run: bool,
+    /// Print the resolved config of every kind of run in the plan, as TOML, and do nothing else
+    #[arg(long, conflicts_with_all = ["dry_run", "json"])]
+    print_config: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -142,6 +145,11 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let further = words(&args.slurm.extra)?;
     let protocol = protocol(registry, args)?;
     let plan = Plan::new(&protocol, registry)?;
+    warn_of_idle(&protocol, &plan);
+    if args.print_config {
+        print(&plan.configs());
+        return Ok(ExitCode::Success);
+    }
     if args.extend && args.out.is_none() && !args.protocol.is_given() {
         let reason =
             "needs --out, since without it the results folder is named after the command, budget included";

@@ -1,7 +1,10 @@
 //! Protocols that come with the program.
 
+use toml::{Table, Value};
+
 use super::Protocol;
 use crate::Registry;
+use crate::config::SECTIONS;
 use crate::error::HarnessError;
 
 /// A row of the list of built-in protocols.
@@ -81,11 +84,46 @@ pub fn find(id: &str) -> Result<&'static ProtocolPreset, HarnessError> {
 }
 
 impl ProtocolPreset {
+    /// What it sets of the config, an assignment each, with where it applies.
+    pub fn settings(&self) -> Vec<String> {
+        let table: Table = self.text.parse().expect("built-in protocols are TOML");
+        let sections = table.iter().filter(|(key, _)| SECTIONS.contains(&key.as_str()));
+        let mut settings = Vec::new();
+        for (section, value) in sections {
+            assignments(section, value, "", &mut settings);
+        }
+        for list in ["override", "variant"] {
+            for patch in table.get(list).and_then(Value::as_array).into_iter().flatten() {
+                let names = |key| patch.get(key).and_then(Value::as_array).into_iter().flatten();
+                let mut places: Vec<&str> =
+                    names("environments").chain(names("curricula")).filter_map(Value::as_str).collect();
+                places.extend(patch.get("label").and_then(Value::as_str));
+                let place = format!(" ({})", places.join(", "));
+                for (section, value) in patch.get("set").and_then(Value::as_table).into_iter().flatten() {
+                    assignments(section, value, &place, &mut settings);
+                }
+            }
+        }
+        settings
+    }
+
     /// The preset as a protocol.
     ///
     /// # Errors
     /// [`HarnessError`] if the registry lacks a curriculum that the preset names.
     pub fn protocol(&self, registry: &Registry) -> Result<Protocol, HarnessError> {
         Protocol::parse(&format!("preset {}", self.id), self.text, registry)
+    }
+}
+
+/// Writes the fields of `value`, which stands at `path`, as assignments that end with `place`.
+fn assignments(path: &str, value: &Value, place: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Table(table) => {
+            for (name, value) in table {
+                assignments(&format!("{path}.{name}"), value, place, found);
+            }
+        }
+        value => found.push(format!("`{path} = {value}`{place}")),
     }
 }

@@ -1,0 +1,126 @@
+//! What a protocol says to no effect: parts that no run uses, and variants that differ in nothing.
+
+use toml::{Table, Value};
+
+use super::plan::{Plan, PlannedRun};
+use super::{Patch, Protocol};
+
+/// A sentence for each part of a document that none of its own runs can use.
+pub(super) fn of_document(protocol: &Protocol) -> Vec<String> {
+    let variants =
+        protocol.variants.iter().map(|variant| (format!("variant `{}`", variant.label), &variant.patch));
+    let overrides = protocol.overrides.iter().map(|patch| ("this override".to_owned(), patch));
+    let mut notes: Vec<String> = overrides
+        .chain(variants)
+        .filter_map(|(what, patch)| {
+            let why = why_idle(protocol, patch)?;
+            Some(format!("{}: {what} changes nothing: {why}", patch.layer.origin.place(&[])))
+        })
+        .collect();
+    for id in options_of(&protocol.base.table).filter(|id| !has(&protocol.curricula, id)) {
+        let place = protocol.base.origin.place(&["curriculum", id]);
+        notes.push(format!("{place}: curriculum.{id} changes nothing: no run has this curriculum"));
+    }
+    notes
+}
+
+/// Why no run of `protocol` can be changed by `patch`, if none can.
+fn why_idle(protocol: &Protocol, patch: &Patch) -> Option<String> {
+    let missing =
+        |wanted: &[String], there: &[String]| !wanted.is_empty() && !wanted.iter().any(|id| has(there, id));
+    if missing(&patch.environments, &protocol.environments) {
+        return Some(format!("no run has the environment {}", patch.environments.join(" or ")));
+    }
+    if missing(&patch.curricula, &protocol.curricula) {
+        return Some(format!("no run has the curriculum {}", patch.curricula.join(" or ")));
+    }
+    let curricula = if patch.curricula.is_empty() { &protocol.curricula } else { &patch.curricula };
+    let foreign = only_options_of(&patch.layer.table)?;
+    let idle = !foreign.iter().any(|id| has(curricula, id) && has(&protocol.curricula, id));
+    idle.then(|| {
+        format!("it sets options of {}, which is the curriculum of none of its runs", foreign.join(" and "))
+    })
+}
+
+impl Protocol {
+    /// A sentence for each part of it, the command line included, that changes nothing in its `plan`.
+    ///
+    /// What `--env` and `--curriculum` leave out of a document is no mistake in the document, so its parts
+    /// are judged by its own lists.
+    pub fn idle(&self, plan: &Plan) -> Vec<String> {
+        let mut notes = self.idle_in_document.clone();
+        for layer in &self.options {
+            if let Some(ids) = only_options_of(&layer.table)
+                && !ids.iter().any(|id| has(&self.curricula, id))
+            {
+                let place = layer.origin.place(&[]);
+                notes.push(format!(
+                    "{place}: changes nothing: no run has the curriculum {}",
+                    ids.join(" or ")
+                ));
+            }
+        }
+        notes.extend(alike(plan));
+        notes
+    }
+}
+
+/// A sentence for every set of variants that have one config for a curriculum.
+fn alike(plan: &Plan) -> Vec<String> {
+    /// Variants that are alike, for a curriculum, on some environments.
+    type Alike<'a> = (Vec<&'a str>, &'a str, Vec<&'a str>);
+    let mut found: Vec<Alike<'_>> = Vec::new();
+    for cell in cells(plan) {
+        let key = &cell[0].key;
+        let mut left: Vec<&PlannedRun> = cell.clone();
+        while let Some(first) = left.first().map(|run| &run.config) {
+            let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(|run| run.config == *first);
+            if same.len() > 1 {
+                let labels: Vec<&str> = same.iter().map(|run| run.key.variant.as_str()).collect();
+                match found.iter_mut().find(|known| known.0 == labels && known.1 == key.curriculum) {
+                    Some((.., environments)) => environments.push(&key.environment),
+                    None => found.push((labels, &key.curriculum, vec![&key.environment])),
+                }
+            }
+            left = others;
+        }
+    }
+    let sentence = |(labels, curriculum, environments): Alike<'_>| {
+        format!(
+            "the variants {} are the same for {curriculum} on {}: they differ in nothing that these runs use",
+            labels.join(", "),
+            environments.join(", ")
+        )
+    };
+    found.into_iter().map(sentence).collect()
+}
+
+/// The runs of the plan's first seed, together where they differ in their variant alone.
+fn cells(plan: &Plan) -> Vec<Vec<&PlannedRun>> {
+    let mut cells: Vec<Vec<&PlannedRun>> = Vec::new();
+    let first = plan.runs.first().map(|run| run.key.seed);
+    for run in plan.runs.iter().filter(|run| Some(run.key.seed) == first) {
+        let pair = |run: &PlannedRun| (run.key.environment.clone(), run.key.curriculum.clone());
+        match cells.iter_mut().find(|cell| pair(cell[0]) == pair(run)) {
+            Some(cell) => cell.push(run),
+            None => cells.push(vec![run]),
+        }
+    }
+    cells
+}
+
+/// The curricula of which `table` sets options and nothing else; `None` if it sets anything else, or nothing.
+fn only_options_of(table: &Table) -> Option<Vec<&str>> {
+    let ids: Vec<&str> = options_of(table).collect();
+    (table.len() == 1 && !ids.is_empty()).then_some(ids)
+}
+
+/// The curricula of which `table` sets options.
+fn options_of(table: &Table) -> impl Iterator<Item = &str> {
+    let options = table.get("curriculum").and_then(Value::as_table);
+    options.into_iter().flat_map(|options| options.keys().map(String::as_str))
+}
+
+fn has(ids: &[String], id: &str) -> bool {
+    ids.iter().any(|other| other == id)
+}
