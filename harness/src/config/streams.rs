@@ -20,7 +20,7 @@ pub struct StreamSeeds {
     pub environment: Auto<u64>,
     /// Exploration noise.
     pub exploration: Auto<u64>,
-    /// Batches and hindsight goals.
+    /// Batches and hindsight goals, also of the student's diagnoses.
     pub replay: Auto<u64>,
     /// What the teacher draws, and the initial weights of its own networks.
     pub teacher: Auto<u64>,
@@ -62,7 +62,7 @@ impl StreamSeeds {
             Purpose::Weights => self.weights,
             Purpose::Environment => self.environment,
             Purpose::Exploration => self.exploration,
-            Purpose::Replay => self.replay,
+            Purpose::Replay | Purpose::Diagnosis(_) => self.replay,
             Purpose::Teacher => self.teacher,
             Purpose::Pool => self.pool,
             Purpose::Evaluation(_) => self.evaluation,
@@ -92,6 +92,7 @@ mod tests {
             Purpose::Replay,
             Purpose::Teacher,
             Purpose::Evaluation(4),
+            Purpose::Diagnosis(4),
         ] {
             assert_eq!(seeds.stream(7, purpose), stream(7, purpose), "{purpose:?}");
         }

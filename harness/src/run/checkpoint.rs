@@ -17,7 +17,7 @@ use super::folder::Extent;
 use super::state::TrainerState;
 use crate::files::new_file;
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 4, what: "a checkpoint" };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]

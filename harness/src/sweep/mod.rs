@@ -32,7 +32,7 @@ use crate::protocol::plan::Plan;
 use crate::run::folder::{self, State};
 use crate::run::lock::Lock;
 use crate::run::manifest::{COMMIT, manifest};
-use crate::tracking::EventFile;
+use crate::tracking;
 
 pub use endings::Endings;
 pub use exit::ExitCode;
@@ -97,6 +97,7 @@ impl Sweep {
     /// written.
     pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
         let lock = Lock::take(&self.results)?;
+        let mut lacks = Vec::new();
         for job in &mut self.jobs {
             job.state = folder::inspect(&job.folder, &job.manifest)?;
             match &job.state {
@@ -105,19 +106,22 @@ impl Sweep {
                     job.state = State::Begun;
                 }
                 State::Ended(_) if preparation.tensorboard => {
-                    EventFile::rewrite(&job.folder)
+                    let lack = tracking::catch_up(&job.folder)
                         .map_err(HarnessError::io(&job.folder, "write an event file in this folder"))?;
+                    lacks.extend(lack);
                 }
                 State::New | State::Begun | State::Ended(_) => {}
             }
         }
-        Ok(Prepared { sweep: self, _lock: Some(lock) })
+        Ok(Prepared { sweep: self, lacks, _lock: Some(lock) })
     }
 }
 
 /// A sweep whose runs can be carried out.
 pub struct Prepared {
     sweep: Sweep,
+    /// What event files of ended runs lack, in a line each.
+    lacks: Vec<String>,
     /// A task of a job array has none: its runs' own locks keep others away.
     _lock: Option<Lock>,
 }
@@ -129,7 +133,7 @@ impl Prepared {
     /// [`HarnessError`] if the list or a run's folder is not what was submitted.
     pub fn for_task(list: &Path, index: usize) -> Result<(Self, Conduct), HarnessError> {
         let slurm::Share { results, jobs, conduct } = slurm::share(list, index)?;
-        Ok((Self { sweep: Sweep { results, jobs }, _lock: None }, conduct))
+        Ok((Self { sweep: Sweep { results, jobs }, lacks: Vec::new(), _lock: None }, conduct))
     }
 
     /// All runs, in the order in which they are started.
@@ -140,6 +144,11 @@ impl Prepared {
     /// Those still to be done.
     pub fn open(&self) -> impl Iterator<Item = &Job> + Clone {
         self.sweep.open()
+    }
+
+    /// What event files of runs that had ended lack, in a line each: times that were lost.
+    pub fn lacking_times(&self) -> &[String] {
+        &self.lacks
     }
 
     /// The results folder.

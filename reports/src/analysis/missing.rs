@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::analysis::catalogue::Catalogue;
 use crate::analysis::complete;
+use crate::analysis::cost;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
@@ -94,9 +95,22 @@ fn timings(analysis: &Analysis<'_>) -> Vec<String> {
             "the teacher's and the student's share of time: timings of {silent} of {all} methods do not tell"
         ));
     }
-    let mut points = analysis.groups.curves.iter().flat_map(|curve| &curve.points);
-    if points.any(|point| point.hours.is_none()) {
-        lacking.push("timings of some evaluations: figures over wall-clock time leave them out".to_owned());
+    for group in &analysis.groups.all {
+        let seeds: Vec<String> = group
+            .runs
+            .iter()
+            .filter(|run| !cost::is_timed(run))
+            .map(|run| run.key().seed.to_string())
+            .collect();
+        if !seeds.is_empty() {
+            lacking.push(format!(
+                "{}: {}: timings (timing.jsonl) of {} {}: times are those of the other seeds",
+                group.key.environment,
+                group.key.name(),
+                if seeds.len() == 1 { "seed" } else { "seeds" },
+                seeds.join(", "),
+            ));
+        }
     }
     lacking
 }

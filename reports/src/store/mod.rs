@@ -15,6 +15,7 @@ mod load;
 pub mod problem;
 mod results;
 mod run_folder;
+mod student;
 mod teaching;
 
 use std::path::Path;
@@ -24,6 +25,7 @@ use rayon::prelude::*;
 pub use error::StoreError;
 pub use results::Results;
 pub use run_folder::{JsonLine, RunFolder, read_json};
+pub use student::learning;
 pub use teaching::teaching;
 
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
