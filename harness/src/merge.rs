@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::schema::{Manifest, Outcome};
-use reports::store::{Results, RunFolder, layout};
+use reports::store::{Results, RunFolder, checksums, layout};
 
 use crate::error::HarnessError;
 use crate::run::folder;
@@ -100,11 +100,13 @@ fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
     None
 }
 
-/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed.
+/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed, then
+/// an ended one that has not lost its timings.
 fn is_further(a: &Candidate, b: &Candidate) -> bool {
     let rank = |found: &Candidate| {
         let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));
-        (finished, found.records.len(), found.outcome.is_some())
+        let ended = found.outcome.is_some();
+        (finished, found.records.len(), ended, ended && checksums::check_timings(&found.folder).is_ok())
     };
     rank(a) > rank(b)
 }

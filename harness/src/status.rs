@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use reports::schema::{Outcome, Record, RunKey, Timing};
-use reports::store::{Results, RunFolder};
+use reports::store::{Results, RunFolder, checksums};
 use serde::Serialize;
 
 use crate::error::{HarnessError, chain};
@@ -89,9 +89,12 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder.path())?;
     let steps = config.budget.steps;
     let record: Option<Record> = folder.last();
-    let timing: Option<Timing> = folder.last();
-    let (activity, reason) = match folder::outcome(folder.path(), &manifest)? {
-        Some(Outcome::Finished { .. }) => (Activity::Finished, None),
+    let outcome = folder::outcome(folder.path(), &manifest)?;
+    // A run is what it found, with or without its times.
+    let untimed = outcome.as_ref().and_then(|_| checksums::check_timings(folder).err());
+    let timing: Option<Timing> = if untimed.is_none() { folder.last() } else { None };
+    let (activity, reason) = match outcome {
+        Some(Outcome::Finished { .. }) => (Activity::Finished, untimed.map(|error| chain(&error))),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
         None if is_locked(folder.path()) => (Activity::Running, None),
         None => match folder.last_crash() {

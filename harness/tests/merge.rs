@@ -39,7 +39,8 @@ fn shares_of_a_sweep_become_one_folder_that_can_be_gone_on_with() {
     let output = merge(&[&a, &b], &out);
     assert!(output.status.success(), "{}", stderr(&output));
     for (seed, source) in [(0, &a), (1, &a), (2, &b)] {
-        for name in [layout::MANIFEST, layout::RECORDS, layout::TEACHING, layout::TIMING, layout::OUTCOME] {
+        let recorded = [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::TIMING];
+        for name in recorded.into_iter().chain([layout::MANIFEST, layout::OUTCOME]) {
             let copied = fs::read(run(&out, seed).join(name)).expect(name);
             assert!(copied == fs::read(run(source, seed).join(name)).expect(name), "seed {seed}: {name}");
         }
@@ -53,6 +54,18 @@ fn shares_of_a_sweep_become_one_folder_that_can_be_gone_on_with() {
     assert_eq!(before.expect("a file"), after.expect("a file"));
     let status = goalbench(&["status", out.to_str().expect("UTF-8")]);
     assert!(stdout(&status).contains("8 runs: 8 finished"), "{}", stdout(&status));
+}
+
+#[test]
+fn of_two_equal_runs_the_one_that_kept_its_timings_is_taken() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = shares(folder.path());
+    fs::remove_file(run(&a, 1).join(layout::TIMING)).expect("timings");
+    for (name, sources) in [("ab", [&*a, &*b]), ("ba", [&*b, &*a])] {
+        let out = folder.path().join(name);
+        assert!(merge(&sources, &out).status.success());
+        assert!(run(&out, 1).join(layout::TIMING).exists(), "{name}");
+    }
 }
 
 #[test]
