@@ -13,6 +13,9 @@ use crate::schema::Teaching;
 use crate::store;
 use crate::store::problem::StoreProblem;
 
+/// Coordinates of a goal that is a point in space.
+pub const COORDINATES: usize = 3;
+
 /// Cells along each side of a map.
 pub const CELLS: usize = 24;
 
@@ -34,16 +37,16 @@ pub struct GoalMap {
 /// The part of space that maps show: a cube, so that all of them have one scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cube {
-    /// The lowest corner, `[3]`.
-    pub low: [f64; 3],
+    /// The lowest corner.
+    pub low: [f64; COORDINATES],
     /// Length of an edge; above 0.
     pub edge: f64,
 }
 
 impl Cube {
     /// The smallest cube around `points` that shares their middle; `None` without any.
-    fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Option<Self> {
-        let mut ends: Option<[(f64, f64); 3]> = None;
+    fn around<'a>(points: impl Iterator<Item = &'a [f32; COORDINATES]>) -> Option<Self> {
+        let mut ends: Option<[(f64, f64); COORDINATES]> = None;
         for point in points {
             let ends = ends.get_or_insert_with(|| point.map(|x| (f64::from(x), f64::from(x))));
             for ((low, high), &x) in ends.iter_mut().zip(point) {
@@ -58,7 +61,7 @@ impl Cube {
     }
 
     /// The cell of `point` in a projection: column and row, rows from the top.
-    fn cell(&self, point: &[f32; 3], [right, up]: [usize; 2]) -> (usize, usize) {
+    fn cell(&self, point: &[f32; COORDINATES], [right, up]: [usize; 2]) -> (usize, usize) {
         // A negative number becomes 0 in the cast.
         let index = |axis: usize| {
             let share = (f64::from(point[axis]) - self.low[axis]) / self.edge;
@@ -89,14 +92,14 @@ pub struct GoalSpaces {
 }
 
 /// A goal and the third of training in which its episode ended.
-type Placed = (usize, [f32; 3]);
+type Placed = (usize, [f32; COORDINATES]);
 
 impl GoalSpaces {
     /// The goals of the groups that stand for their method. What teachers did is read here, run by run, and only
     /// the goals are kept.
     pub fn of(results: &Path, groups: &Groups<'_>, environments: &[EnvironmentInfo]) -> Self {
         let mut spaces = Self::default();
-        for info in environments.iter().filter(|info| info.goal == 3) {
+        for info in environments.iter().filter(|info| info.goal == COORDINATES) {
             let mut goals: Vec<(GroupKey, Vec<Placed>)> = Vec::new();
             for group in groups.compared_groups() {
                 if group.key.environment != info.id {

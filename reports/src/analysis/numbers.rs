@@ -57,8 +57,8 @@ pub struct Numbered {
     pub eval_index: u64,
     /// Training steps.
     pub step: u64,
-    /// The numbers, as far as they are defined.
-    pub numbers: Vec<(String, f64)>,
+    /// The numbers; `None` where one is not defined.
+    pub numbers: Vec<(String, Option<f64>)>,
 }
 
 /// The numbers of teachers, as records have them, in every environment; plots by name.
@@ -68,11 +68,7 @@ pub fn of_teachers(groups: &Groups<'_>) -> Vec<NumberPlots> {
         let numbered = records.map(|record| Numbered {
             eval_index: record.eval_index,
             step: record.step,
-            numbers: record
-                .teacher
-                .iter()
-                .filter_map(|(name, value)| Some((name.clone(), value.as_f64()?)))
-                .collect(),
+            numbers: record.teacher.iter().map(|(name, value)| (name.clone(), value.as_f64())).collect(),
         });
         numbered.collect()
     })
@@ -102,7 +98,7 @@ pub fn plots(groups: &Groups<'_>, numbered: impl Fn(&Run) -> Vec<Numbered>) -> V
             name: (*name).to_owned(),
             curves: read.iter().filter_map(|(group, runs)| curve(&group.key, runs.values(), name)).collect(),
         };
-        let plots: Vec<NumberPlot> = names.iter().map(plot).collect();
+        let plots: Vec<NumberPlot> = names.iter().map(plot).filter(|plot| !plot.curves.is_empty()).collect();
         if !plots.is_empty() {
             all.push(NumberPlots { environment: same[0].key.environment.clone(), plots });
         }
@@ -118,10 +114,11 @@ fn curve<'a>(
 ) -> Option<NumberCurve> {
     let mut found: BTreeMap<u64, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
     for one in runs.flatten() {
-        for (_, value) in one.numbers.iter().filter(|(other, _)| other == name) {
+        let defined = one.numbers.iter().filter(|(other, _)| other == name).filter_map(|(_, value)| *value);
+        for value in defined {
             let (steps, values) = found.entry(one.eval_index).or_default();
             steps.push(one.step as f64);
-            values.push(*value);
+            values.push(value);
         }
     }
     let point = |(steps, values): &(Vec<f64>, Vec<f64>)| {
@@ -146,7 +143,7 @@ mod tests {
         let at = |eval_index, step, loss: Option<f64>| Numbered {
             eval_index,
             step,
-            numbers: loss.map(|loss| ("loss".to_owned(), loss)).into_iter().collect(),
+            numbers: vec![("loss".to_owned(), loss)],
         };
         let runs = [
             vec![at(0, 0, None), at(1, 100, Some(3.0)), at(2, 200, Some(1.0))],

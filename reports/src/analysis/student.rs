@@ -34,7 +34,7 @@ impl StudentFiles {
     }
 
     /// The lines of one run.
-    fn of_run(&self, run: &Run) -> &[Learning] {
+    pub fn of_run(&self, run: &Run) -> &[Learning] {
         self.lines.get(run.key()).map_or(&[], Vec::as_slice)
     }
 
@@ -46,7 +46,9 @@ impl StudentFiles {
             numbers: line
                 .numbers()
                 .into_iter()
-                .filter_map(|(name, value)| Some((name.to_owned(), value?)))
+                // Episodes are transitions over H.
+                .filter(|(name, _)| *name != "replay_episodes")
+                .map(|(name, value)| (name.to_owned(), value))
                 .collect(),
         };
         numbers::plots(groups, |run| self.of_run(run).iter().map(numbered).collect())

@@ -117,6 +117,11 @@ fn diagnostics_are_drawn_on_request() {
     for title in ["RoomA: how the student learned", "RoomA: numbers of teachers"] {
         assert!(page.contains(title), "{title}");
     }
+    write_run(results.path(), &key("RoomA", "dull", "old", 0), &[0.0, 0.5]);
+    let missing = reports::write(results.path(), &asked).unwrap().missing;
+    let silent = "how students learned: 1 of 7 runs have no record of it (student.jsonl)";
+    assert!(missing.iter().any(|text| text == silent), "{missing:?}");
+    fs::remove_dir_all(results.path().join("runs/RoomA/dull/old")).unwrap();
     // And are gone with the next report that is not asked for them.
     reports::write(results.path(), &options()).unwrap();
     assert_eq!(figures(results.path()), plain);
@@ -153,6 +158,8 @@ fn goals_that_are_points_in_space_are_drawn_from_two_sides() {
     let maps: Vec<String> =
         figures(results.path()).into_iter().filter(|name| name.starts_with("goals-")).collect();
     assert_eq!(maps, ["goals-Arm.svg"]);
+    let missing = "Still: NOVA: no record of what the teacher did, so no goal map";
+    assert!(written.missing.iter().any(|text| text == missing), "{:?}", written.missing);
     let problems: Vec<String> = written.problems.iter().map(ToString::to_string).collect();
     assert_eq!(problems.len(), 1, "{problems:?}");
     assert!(problems[0].starts_with("runs/Arm/nova/default/seed-0/teaching.jsonl:2: "), "{problems:?}");
