@@ -141,9 +141,9 @@ pub trait Agent: Critic + Send {
         None
     }
 
-    /// How learning stands: losses and gradients of a batch that `rng` draws as a gradient step would, without
-    /// the step. Nothing that the student has learned changes, and its own learning goes on as if it had not
-    /// been asked. `reward` is the task's, for relabelling.
+    /// How learning stands: losses and gradients of a batch that `rng` draws as a gradient step would,
+    /// without the step. Nothing that the student has learned changes, and its own learning goes on as if it
+    /// had not been asked. `reward` is the task's, for relabelling.
     ///
     /// # Errors
     /// [`AgentError::Torch`] if libtorch refuses.

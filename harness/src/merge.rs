@@ -100,8 +100,8 @@ fn conflict(a: &Candidate, b: &Candidate) -> Option<String> {
     None
 }
 
-/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed, then
-/// an ended one that has not lost its timings.
+/// Whether `a` has come further: a finished run has, then one with more records, then one that has failed,
+/// then an ended one that has not lost its timings.
 fn is_further(a: &Candidate, b: &Candidate) -> bool {
     let rank = |found: &Candidate| {
         let finished = matches!(found.outcome, Some(Outcome::Finished { .. }));

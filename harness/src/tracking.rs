@@ -37,15 +37,15 @@ pub struct Evaluated<'a> {
 pub struct EventFile {
     path: PathBuf,
     file: File,
-    /// The run's clock, in seconds since 1970. The run's first event file fixes when the run began: the time at
-    /// which that is written, less the time that the run had taken until then.
+    /// The run's clock, in seconds since 1970. The run's first event file fixes when the run began: the time
+    /// at which that is written, less the time that the run had taken until then.
     clock: Clock,
 }
 
 impl EventFile {
-    /// Opens the file of the run in `folder`, which is created if it is missing, and brings it in line with the
-    /// run's records: what stands in it after the last event that fits them is cut off, and events that it lacks
-    /// are appended.
+    /// Opens the file of the run in `folder`, which is created if it is missing, and brings it in line with
+    /// the run's records: what stands in it after the last event that fits them is cut off, and events that
+    /// it lacks are appended.
     ///
     /// # Errors
     /// If the records cannot be read or the file cannot be written.
@@ -103,9 +103,9 @@ impl EventFile {
     }
 }
 
-/// Writes the event file of the ended run in `folder`, or brings it up to date. Gives a word on the times that it
-/// lacks, where the run's timings were altered or lost; an event file that is there already is then left as it
-/// is, since it may know more.
+/// Writes the event file of the ended run in `folder`, or brings it up to date. Gives a word on the times
+/// that it lacks, where the run's timings were altered or lost; an event file that is there already is then
+/// left as it is, since it may know more.
 ///
 /// # Errors
 /// As [`EventFile::open`].

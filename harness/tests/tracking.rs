@@ -70,8 +70,8 @@ fn wait_until(what: &str, is_so: impl Fn() -> bool) {
     }
 }
 
-/// A run that is killed, stopped, and brought to its end, by the same command each time. `look` sees it after each
-/// of these.
+/// A run that is killed, stopped, and brought to its end, by the same command each time. `look` sees it after
+/// each of these.
 fn interrupted(results: &Path, mut look: impl FnMut()) {
     let mut parent = start(results);
     wait_until("three evaluations", || records(results) >= 3);
@@ -102,8 +102,8 @@ fn an_event_file_is_never_replaced_and_only_what_no_checkpoint_holds_is_taken_ba
     assert_eq!(support::tfrecords(&events), 1 + records(folder.path()));
 }
 
-/// Shows a folder in TensorBoard, and tells, for every line with a number of points on standard input, the steps
-/// of a curve once it has so many of them, or after a minute.
+/// Shows a folder in TensorBoard, and tells, for every line with a number of points on standard input, the
+/// steps of a curve once it has so many of them, or after a minute.
 const BOARD: &str = r"
 import json, sys, time, urllib.error, urllib.parse, urllib.request
 from tensorboard import program

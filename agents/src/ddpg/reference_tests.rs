@@ -308,7 +308,8 @@ fn check_gradients(cases: &[(usize, usize)]) {
     }
 }
 
-/// What a step would find is what automatic differentiation finds. The update that follows is checked after it.
+/// What a step would find is what automatic differentiation finds. The update that follows is checked after
+/// it.
 fn check_dry_step(
     learner: &mut Learner,
     batch: &Batch,

@@ -7,8 +7,8 @@ use crate::stats;
 use crate::store::Run;
 
 /// What the finished runs of a group took up to their last evaluation; where none has finished, all of them.
-/// Times are means in hours over the seeds whose last evaluation has a timing, since timings can be lost where
-/// records are not.
+/// Times are means in hours over the seeds whose last evaluation has a timing, since timings can be lost
+/// where records are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
     /// Fewest and most training steps at a seed's last evaluation.

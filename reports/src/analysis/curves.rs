@@ -26,8 +26,8 @@ pub struct Point {
     pub std: Option<f64>,
     /// Mean over those seeds of the student's gradient steps.
     pub gradient_steps: f64,
-    /// Mean over those seeds, but the ones that failed before and those with an evaluation without timing, of the
-    /// hours of wall-clock time, evaluations included; `None` where none is left.
+    /// Mean over those seeds, but the ones that failed before and those with an evaluation without timing, of
+    /// the hours of wall-clock time, evaluations included; `None` where none is left.
     pub hours: Option<f64>,
 }
 
@@ -120,8 +120,8 @@ fn common_steps(runs: &[&Run]) -> Vec<u64> {
     common
 }
 
-/// The point of a curve of `runs` at `step`, of which those that are `timed` tell the time; `None` where none of
-/// them is there.
+/// The point of a curve of `runs` at `step`, of which those that are `timed` tell the time; `None` where none
+/// of them is there.
 fn point(runs: &[&Run], timed: &[bool], step: u64) -> Option<Point> {
     let (mut rates, mut gradient_steps, mut times) = (Vec::new(), Vec::new(), Vec::new());
     for (run, &timed) in runs.iter().zip(timed) {

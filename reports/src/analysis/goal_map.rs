@@ -1,5 +1,5 @@
-//! Where teachers sent their students in tasks whose goals are points in space, over time: seen from above and
-//! from the side.
+//! Where teachers sent their students in tasks whose goals are points in space, over time: seen from above
+//! and from the side.
 
 use std::path::Path;
 
@@ -95,8 +95,8 @@ pub struct GoalSpaces {
 type Placed = (usize, [f32; COORDINATES]);
 
 impl GoalSpaces {
-    /// The goals of the groups that stand for their method. What teachers did is read here, run by run, and only
-    /// the goals are kept.
+    /// The goals of the groups that stand for their method. What teachers did is read here, run by run, and
+    /// only the goals are kept.
     pub fn of(results: &Path, groups: &Groups<'_>, environments: &[EnvironmentInfo]) -> Self {
         let mut spaces = Self::default();
         for info in environments.iter().filter(|info| info.goal == COORDINATES) {
@@ -122,8 +122,8 @@ fn last_step(group: &Group<'_>) -> u64 {
     group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max().unwrap_or(0)
 }
 
-/// The goals of a run's training episodes, each with its third of `end` steps. A line holds all episodes since
-/// the one before it, which are taken to be equally long.
+/// The goals of a run's training episodes, each with its third of `end` steps. A line holds all episodes
+/// since the one before it, which are taken to be equally long.
 fn placed(lines: &[Teaching], end: u64) -> Vec<Placed> {
     let mut placed = Vec::new();
     let mut before = 0;

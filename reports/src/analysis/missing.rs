@@ -84,7 +84,8 @@ fn heat_maps(analysis: &Analysis<'_>) -> Vec<String> {
     lacking
 }
 
-/// Methods that were run in a task whose goals are points in space without a record of what their teacher did.
+/// Methods that were run in a task whose goals are points in space without a record of what their teacher
+/// did.
 fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
     let drawn: Vec<&GroupKey> =
         analysis.goals.environments.iter().flat_map(|maps| &maps.maps).map(|map| &map.key).collect();

@@ -41,8 +41,9 @@ fn values<T>(by_index: BTreeMap<u64, (usize, T)>) -> Vec<T> {
     by_index.into_values().map(|(_, value)| value).collect()
 }
 
-/// The usable timings of `records`, by rising evaluation: one that stands at another step than its evaluation,
-/// or before the timing of the evaluation before it, is none. An ended run has one for every evaluation.
+/// The usable timings of `records`, by rising evaluation: one that stands at another step than its
+/// evaluation, or before the timing of the evaluation before it, is none. An ended run has one for every
+/// evaluation.
 pub(super) fn timings(
     loader: &mut Loader<'_>,
     run: &RunKey,

@@ -11,8 +11,8 @@ use tempfile::TempDir;
 
 const FOLDER: &str = "runs/E/nova/default/seed-1";
 
-/// Two finished runs of an hour and a half each, of which the second is damaged. Gives what the report names, what
-/// it lacks, and the numbers of its costs by column.
+/// Two finished runs of an hour and a half each, of which the second is damaged. Gives what the report names,
+/// what it lacks, and the numbers of its costs by column.
 fn told(damage: impl FnOnce(&Path)) -> (Vec<String>, Vec<String>, Vec<(String, String)>) {
     let results = TempDir::new().unwrap();
     write_run(results.path(), &key("E", "nova", "default", 0), &[0.0, 0.5, 0.5, 0.5]);

@@ -79,8 +79,8 @@ impl Log {
     }
 }
 
-/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl` and, at last, `checksums.json`
-/// and `outcome.json`.
+/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl` and, at last,
+/// `checksums.json` and `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,

@@ -31,8 +31,8 @@ const ROOM: f64 = 0.06;
 /// Markers per curve, about.
 const MARKERS: usize = 6;
 
-/// The numbers of one environment, as SVG. `keys` are those of all curves of the report, which settle the looks;
-/// `what` says in the caption what the numbers are.
+/// The numbers of one environment, as SVG. `keys` are those of all curves of the report, which settle the
+/// looks; `what` says in the caption what the numbers are.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
