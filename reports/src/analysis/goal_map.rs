@@ -181,7 +181,7 @@ mod tests {
             ..Teaching::default()
         };
         // Episodes of 75 steps end at 75, 150, 225 and 300: in thirds 0, 1, 2 and 2 of 300.
-        let goals = placed(&[line.clone()], 300);
+        let goals = placed(std::slice::from_ref(&line), 300);
         assert_eq!(goals.iter().map(|(third, _)| *third).collect::<Vec<_>>(), [0, 1, 2, 2]);
         let maps = GoalMaps::of("E", vec![(key.clone(), goals)]).unwrap();
         // The longest extent is that of z, 3; the others lie in its middle.

@@ -46,7 +46,7 @@ pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     match size {
         0.0 => "0".to_owned(),
-        _ if size < 1e-3 || size >= 1e10 => format!("{value:e}"),
+        _ if !(1e-3..1e10).contains(&size) => format!("{value:e}"),
         _ if size >= 1e4 => format!("{}{}", if value < 0.0 { "-" } else { "" }, label(size)),
         _ => value.to_string(),
     }
