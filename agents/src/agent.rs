@@ -7,6 +7,7 @@ use envs::rng::Rng;
 use envs::{Observation, Reward, Rows, Spec};
 
 use crate::batch::Batch;
+use crate::diagnosis::Diagnosis;
 use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::networks::Parameters;
@@ -150,6 +151,14 @@ pub trait Agent: Critic + Send {
     fn sampling_time(&self) -> Option<Duration> {
         None
     }
+
+    /// How learning stands: losses and gradients of a batch that `rng` draws as a gradient step would,
+    /// without the step. Nothing that the student has learned changes, and its own learning goes on as if it
+    /// had not been asked. `reward` is the task's, for relabelling.
+    ///
+    /// # Errors
+    /// [`AgentError::Torch`] if libtorch refuses.
+    fn diagnose(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<Diagnosis, AgentError>;
 
     /// Appends the episodes that came in since the last save to the log in folder `replay` (created if
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.

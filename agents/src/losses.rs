@@ -103,18 +103,24 @@ pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Vie
 /// Writes the slope of −mean Q in Q, −1/n, into `slope` (`[E, rows, 1]` both) and returns these rows' part of
 /// −mean Q, summed over the learners.
 pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
-    if !values.on_cpu {
+    if slope.on_cpu {
+        for slope in &slope.members {
+            with_slices([slope], [], |[slope], []| slope.fill(-1.0 / n as f32));
+        }
+    } else {
         let _ = slope.whole.shallow_clone().f_fill_(-1.0 / n as f64)?;
-        return Ok(-sum(&values.whole)? / n as f64);
     }
-    let mut loss = 0.0;
-    for (values, slope) in values.members.iter().zip(&slope.members) {
-        with_slices([slope], [values], |[slope], [values]| {
-            slope.fill(-1.0 / n as f32);
-            loss -= values.iter().map(|&q| f64::from(q)).sum::<f64>() / n as f64;
-        });
+    Ok(-mean_part(values, n)?)
+}
+
+/// These rows' part of mean Q (`[E, rows, 1]`), summed over the learners.
+pub(crate) fn mean_part(values: &Views, n: usize) -> Result<f64, TchError> {
+    if !values.on_cpu {
+        return Ok(sum(&values.whole)? / n as f64);
     }
-    Ok(loss)
+    let total = |[values]: [&[f32]; 1]| values.iter().map(|&q| f64::from(q)).sum::<f64>();
+    let totals = values.members.iter().map(|values| with_slices([], [values], |[], read| total(read)));
+    Ok(totals.map(|total| total / n as f64).sum())
 }
 
 /// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean

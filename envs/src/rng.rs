@@ -29,6 +29,8 @@ pub enum Purpose {
     Pool,
     /// The evaluation with this index: its start states and goals.
     Evaluation(u64),
+    /// The batch on which the student is diagnosed at the evaluation with this index.
+    Diagnosis(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.
     FinalEvaluation,
@@ -45,6 +47,7 @@ impl Purpose {
             Self::Teacher => ("teacher", 0),
             Self::Pool => ("pool", 0),
             Self::Evaluation(index) => ("evaluation", index),
+            Self::Diagnosis(index) => ("diagnosis", index),
             Self::FinalEvaluation => ("final-evaluation", 0),
         }
     }
@@ -100,6 +103,8 @@ mod tests {
             (Purpose::Pool, 0xa091_771d_2463_3216),
             (Purpose::Evaluation(0), 0x0606_7110_e5dc_cd82),
             (Purpose::Evaluation(7), 0x4f00_87c2_6377_b535),
+            (Purpose::Diagnosis(0), 0x480f_e9d3_4e59_5a17),
+            (Purpose::Diagnosis(7), 0xa14f_d408_d329_f504),
             (Purpose::FinalEvaluation, 0x9433_8273_70ad_d441_u64),
         ];
         for (purpose, expected) in keys {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use reports::schema::{Outcome, RunKey};
 use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;
-use reports::store::{Results, RunFolder, Survey, layout};
+use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
 use crate::run::folder::{self, Sound};
@@ -94,7 +94,9 @@ fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
     let sound = folder::check(folder.path())?;
     let bytes = |name| folder.bytes(name).map(Option::unwrap_or_default);
     let (records, teaching) = (bytes(layout::RECORDS)?, bytes(layout::TEACHING)?);
-    let timed = bytes(layout::TIMING)?.len();
+    // Timings that are not what the run ended with count as none.
+    let has_lost_timings = sound.outcome.is_some() && checksums::check_timings(&folder).is_err();
+    let timed = if has_lost_timings { 0 } else { bytes(layout::TIMING)?.len() };
     Ok(Candidate { folder, sound, records, teaching, timed })
 }
 

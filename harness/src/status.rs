@@ -5,7 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use reports::schema::{Manifest, Outcome, Record, RunKey, Timing};
 use reports::store::problem::StoreProblem;
-use reports::store::{Results, RunFolder, Survey};
+use reports::store::{Results, RunFolder, Survey, checksums};
 use serde::Serialize;
 
 use crate::config::RunConfig;
@@ -123,9 +123,11 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let (manifest, config, outcome) = checked(folder)?;
     let steps = config.budget.steps;
     let record: Option<Record> = folder.last();
-    let timing: Option<Timing> = folder.last();
+    // A run is what it found, with or without its times.
+    let untimed = outcome.as_ref().and_then(|_| checksums::check_timings(folder).err());
+    let timing: Option<Timing> = if untimed.is_none() { folder.last() } else { None };
     let (activity, reason) = match outcome {
-        Some(Outcome::Finished { .. }) => (Activity::Finished, None),
+        Some(Outcome::Finished { .. }) => (Activity::Finished, untimed.map(|error| chain(&error))),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
         None if is_locked(folder.path()) => (Activity::Running, None),
         None => match folder.last_crash() {

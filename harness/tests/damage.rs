@@ -207,6 +207,18 @@ fn absurd_timings_are_numbers_like_any_other() {
 }
 
 #[test]
+fn diagnoses_of_a_finished_run_that_were_altered_or_lost() {
+    let folder = finished();
+    let path = run(folder.path()).join(layout::STUDENT);
+    let good = fs::read_to_string(&path).expect("diagnoses");
+    fs::write(&path, good.replacen("\"replay_episodes\":0", "\"replay_episodes\":1", 1))
+        .expect("it can be written");
+    noticed(folder.path(), &["student.jsonl", "cut off or altered after the run ended"]);
+    fs::remove_file(&path).expect("diagnoses");
+    noticed(folder.path(), &["student.jsonl", "No such file"]);
+}
+
+#[test]
 fn an_outcome_that_was_cut_off() {
     let folder = finished();
     fs::write(run(folder.path()).join(layout::OUTCOME), "{\"status\": \"fin").expect("it can be written");

@@ -7,18 +7,26 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use reports::schema::{Record, RunKey};
+use reports::schema::{Learning, Record, RunKey};
 use reports::store::layout;
 use support::{stderr, toy, toy_args};
 
 fn records(results: &Path, curriculum: &str, seed: u64) -> Vec<u8> {
+    read(results, curriculum, seed, layout::RECORDS)
+}
+
+fn diagnoses(results: &Path, curriculum: &str, seed: u64) -> Vec<u8> {
+    read(results, curriculum, seed, layout::STUDENT)
+}
+
+fn read(results: &Path, curriculum: &str, seed: u64, file: &str) -> Vec<u8> {
     let run = RunKey {
         environment: "Point".into(),
         curriculum: curriculum.into(),
         variant: "default".into(),
         seed,
     };
-    fs::read(layout::run_dir(results, &run).join(layout::RECORDS)).expect("the run recorded")
+    fs::read(layout::run_dir(results, &run).join(file)).expect("the run recorded")
 }
 
 fn parsed(bytes: &[u8]) -> Vec<Record> {
@@ -36,6 +44,7 @@ fn the_same_config_gives_the_same_bytes_whatever_the_number_of_jobs() {
         for seed in [0, 1] {
             let bytes = records(&one, curriculum, seed);
             assert_eq!(bytes, records(&two, curriculum, seed), "{curriculum} {seed}");
+            assert_eq!(diagnoses(&one, curriculum, seed), diagnoses(&two, curriculum, seed));
             let steps: Vec<u64> = parsed(&bytes).iter().map(|record| record.step).collect();
             assert_eq!(
                 steps,
@@ -45,6 +54,28 @@ fn the_same_config_gives_the_same_bytes_whatever_the_number_of_jobs() {
         }
     }
     assert_ne!(records(&one, "teach", 0), records(&one, "teach", 1), "the seed matters");
+}
+
+/// What a student remembers and how its learning stands, at evaluations after 6, 10, 16 and 20 episodes of 20
+/// steps.
+#[test]
+fn every_evaluation_has_a_diagnosis_of_the_student() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    toy(folder.path(), &["--seeds", "0"]);
+    let text = String::from_utf8(diagnoses(folder.path(), "her-iid", 0)).expect("JSON is UTF-8");
+    let lines: Vec<Learning> =
+        text.lines().map(|line| serde_json::from_str(line).expect("a diagnosis")).collect();
+    let sizes: Vec<_> =
+        lines.iter().map(|line| (line.step, line.replay_episodes, line.replay_transitions)).collect();
+    assert_eq!(sizes, [(0, 0, 0), (120, 6, 120), (200, 10, 200), (320, 16, 320), (400, 20, 400)]);
+    let untrained = Learning::default();
+    assert_eq!(lines[0], untrained, "nothing to learn from yet");
+    for line in &lines[1..] {
+        assert!(line.numbers().iter().all(|(_, number)| number.is_some()), "{line:?}");
+        assert!(line.critic_gradient_norm > Some(0.0) && line.actor_gradient_norm > Some(0.0), "{line:?}");
+        assert!(line.critic_loss > Some(0.0) && line.mean_q < Some(1.0), "{line:?}");
+    }
+    assert_ne!(lines[1].mean_q, lines[2].mean_q);
 }
 
 #[test]

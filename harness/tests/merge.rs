@@ -40,7 +40,8 @@ fn shares_of_a_sweep_become_one_folder_that_can_be_gone_on_with() {
     let output = merge(&[&a, &b], &out);
     assert!(output.status.success(), "{}", stderr(&output));
     for (seed, source) in [(0, &a), (1, &a), (2, &b)] {
-        for name in [layout::MANIFEST, layout::RECORDS, layout::TEACHING, layout::TIMING, layout::OUTCOME] {
+        let recorded = [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::TIMING];
+        for name in recorded.into_iter().chain([layout::MANIFEST, layout::OUTCOME]) {
             let copied = fs::read(run(&out, seed).join(name)).expect(name);
             assert!(copied == fs::read(run(source, seed).join(name)).expect(name), "seed {seed}: {name}");
         }
@@ -70,6 +71,29 @@ fn merged_whole(folder: &Path, sources: [&Path; 2], name: &str) -> String {
         said += &stderr(&output);
     }
     said
+}
+
+#[test]
+fn of_two_equal_runs_the_one_that_kept_its_timings_is_taken() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = shares(folder.path());
+    fs::remove_file(run(&a, 1).join(layout::TIMING)).expect("timings");
+    for (name, sources) in [("ab", [&*a, &*b]), ("ba", [&*b, &*a])] {
+        let out = folder.path().join(name);
+        assert!(merge(&sources, &out).status.success());
+        assert!(run(&out, 1).join(layout::TIMING).exists(), "{name}");
+    }
+}
+
+fn of_two_equal_runs_the_one_that_kept_its_timings_is_taken() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = shares(folder.path());
+    fs::remove_file(run(&a, 1).join(layout::TIMING)).expect("timings");
+    for (name, sources) in [("ab", [&*a, &*b]), ("ba", [&*b, &*a])] {
+        let out = folder.path().join(name);
+        assert!(merge(&sources, &out).status.success());
+        assert!(run(&out, 1).join(layout::TIMING).exists(), "{name}");
+    }
 }
 
 #[test]

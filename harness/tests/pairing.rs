@@ -11,7 +11,7 @@ use goalbench::Registry;
 use goalbench::config::{self, layer::ConfigLayer};
 use goalbench::run::observer::Observer;
 use goalbench::run::train::Trainer;
-use reports::schema::{Record, RunKey, Teaching};
+use reports::schema::{Learning, Record, RunKey, Teaching};
 
 const SEED: u64 = 11;
 
@@ -245,7 +245,7 @@ fn the_seed_of_one_stream_can_be_held_while_the_run_varies() {
 fn nobody_learns_in_a_warm_up() {
     struct Updates(Vec<(u64, u64)>);
     impl Observer for Updates {
-        fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
+        fn record(&mut self, record: &Record, _: &Teaching, _: &Learning) -> std::io::Result<()> {
             let updates = record.teacher["ensemble_updates"].as_f64().expect("a number");
             self.0.push((record.gradient_steps, updates as u64));
             Ok(())

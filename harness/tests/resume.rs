@@ -34,9 +34,9 @@ const LONGER: [&str; 12] = [
 /// What every run recorded, the clock apart, by path.
 fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let files = runs
-        .iter()
-        .flat_map(|run| [layout::RECORDS, layout::TEACHING, layout::OUTCOME].map(|name| run.file(name)));
+    let files = runs.iter().flat_map(|run| {
+        [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME].map(|name| run.file(name))
+    });
     files
         .map(|path| {
             let bytes = fs::read(&path).expect("every run has ended");

@@ -46,6 +46,7 @@ use envs::{Observation, Reward, Rows, Spec};
 use crate::agent::{Agent, Critic, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
 use crate::config::{PolyakEvery, StudentConfig};
+use crate::diagnosis::Diagnosis;
 use crate::draw::Hindsight;
 use crate::episode::Episode;
 use crate::error::AgentError;
@@ -225,6 +226,21 @@ impl Agent for Ddpg {
 
     fn sampling_time(&self) -> Option<Duration> {
         Some(self.sampling)
+    }
+
+    fn diagnose(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<Diagnosis, AgentError> {
+        let dry_step = if self.replay.is_empty() {
+            None
+        } else {
+            // Batch and gradients are scratch memory: every gradient step begins by filling them anew.
+            self.replay.sample(Source::All, self.config.hindsight(), reward, rng, &mut self.batch)?;
+            Some(self.learner.dry_step(&self.batch, &self.normalizers)?)
+        };
+        Ok(Diagnosis {
+            replay_episodes: self.replay.len() as u64,
+            replay_transitions: self.replay.transitions() as u64,
+            dry_step,
+        })
     }
 
     fn save(&mut self, replay: &Path) -> Result<Vec<u8>, AgentError> {

@@ -295,6 +295,7 @@ fn check_gradients(cases: &[(usize, usize)]) {
         }
         let expected = transitions.gradients(&actor, &critic);
 
+        check_dry_step(&mut learner, &batch, &normalizers, (&transitions, [&actor, &critic]), &expected);
         // The update leaves its gradients in place.
         learner.update(&batch, &normalizers).unwrap();
         let networks = [&mut learner.actor, &mut learner.critic.networks];
@@ -304,6 +305,34 @@ fn check_gradients(cases: &[(usize, usize)]) {
             // Single precision leaves some 5e-7.
             assert!(error < 1e-5, "{:?}, {layers} layers, {n} transitions: {error}", shape.output);
         }
+    }
+}
+
+/// What a step would find is what automatic differentiation finds. The update that follows is checked after
+/// it.
+fn check_dry_step(
+    learner: &mut Learner,
+    batch: &Batch,
+    normalizers: &Normalizers,
+    (transitions, [actor, critic]): (&Transitions, [&Reference; 2]),
+    gradients: &[Vec<Tensor>; 2],
+) {
+    let found = learner.dry_step(batch, normalizers).unwrap();
+    let targets = transitions.targets(&actor.target, &critic.target);
+    let taken = Tensor::cat(&[&transitions.observed, &transitions.actions], 1);
+    let number = |tensor: Tensor| tensor.double_value(&[]);
+    let norm = |gradient: &[Tensor]| {
+        gradient.iter().map(|g| number(g.square().sum(Kind::Double))).sum::<f64>().sqrt()
+    };
+    for (name, found, expected) in [
+        ("critic's loss", found.critic_loss, number(transitions.critic_loss(&critic.online, &targets))),
+        ("actor's loss", found.actor_loss, number(transitions.actor_loss(&actor.online, &critic.online))),
+        ("mean Q", found.mean_q, number(critic.online.forward(&taken).mean(Kind::Double))),
+        ("actor's gradient", found.actor_gradient_norm, norm(&gradients[0])),
+        ("critic's gradient", found.critic_gradient_norm, norm(&gradients[1])),
+    ] {
+        let error = (found - expected).abs() / expected.abs().max(1.0);
+        assert!(error < 1e-5, "{name}: {found}, not {expected}");
     }
 }
 

@@ -5,9 +5,10 @@ use tch::{Device, TchError};
 
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
+use crate::diagnosis::DryStep;
 use crate::error::AgentError;
 use crate::inputs::{Normalizers, TransitionInputs, rows_per_part};
-use crate::losses::{Discount, penalty_part, value_part};
+use crate::losses::{Discount, mean_part, penalty_part, value_part};
 use crate::networks::{Block, Parameters, Passes, Shape, Trained, copy};
 use crate::value::ValueLearner;
 
@@ -62,9 +63,7 @@ impl Learner {
     /// # Errors
     /// [`AgentError::Diverged`] if a loss is not finite.
     pub(super) fn update(&mut self, batch: &Batch, normalizers: &Normalizers) -> Result<(), AgentError> {
-        self.inputs.fill(batch, normalizers)?;
-        self.actor.zero_gradient()?;
-        self.critic.networks.zero_gradient()?;
+        self.begin(batch, normalizers)?;
         let (mut critic_loss, mut actor_loss) = (0.0, 0.0);
         for part in 0..self.inputs.parts.len() {
             critic_loss += self.add_critic_gradient(part)?;
@@ -78,6 +77,34 @@ impl Learner {
                 return Err(AgentError::Diverged { what, gradient_steps: self.steps });
             }
         }
+        Ok(())
+    }
+
+    /// What [`Learner::update`] would find on `batch`. The gradients stay in place and no step follows: the
+    /// next update forgets them.
+    pub(super) fn dry_step(
+        &mut self,
+        batch: &Batch,
+        normalizers: &Normalizers,
+    ) -> Result<DryStep, AgentError> {
+        self.begin(batch, normalizers)?;
+        let mut found = DryStep::default();
+        for part in 0..self.inputs.parts.len() {
+            found.critic_loss += self.add_critic_gradient(part)?;
+            // What the critic said last was of the actions taken.
+            found.mean_q += mean_part(&self.critic.passes.output().plain, self.inputs.n)?;
+            found.actor_loss += self.add_actor_gradient(part)?;
+        }
+        found.critic_gradient_norm = self.critic.networks.gradient_norm()?;
+        found.actor_gradient_norm = self.actor.gradient_norm()?;
+        Ok(found)
+    }
+
+    /// Takes in a batch and forgets the gradients of the one before.
+    fn begin(&mut self, batch: &Batch, normalizers: &Normalizers) -> Result<(), AgentError> {
+        self.inputs.fill(batch, normalizers)?;
+        self.actor.zero_gradient()?;
+        self.critic.networks.zero_gradient()?;
         Ok(())
     }
 

@@ -358,3 +358,31 @@ fn a_student_on_another_device_learns_and_answers_alike() {
         assert!((near - far).abs() < 1e-4, "{near} against {far}");
     }
 }
+
+/// Asked at any moment, with a stream of the asker's own, the student learns what it would have learned.
+#[test]
+fn a_diagnosis_changes_nothing_that_is_learned() {
+    for near in [true, false] {
+        let learned = |asked: bool| {
+            let (mut student, env, mut rng) = scene(&small());
+            let mut other = stream(3, Purpose::Diagnosis(0));
+            let mut ask =
+                |student: &mut Ddpg| asked.then(|| student.diagnose(env.as_ref(), &mut other).unwrap());
+            let before = ask(&mut student);
+            assert!(before.is_none_or(|found| found.dry_step.is_none() && found.replay_episodes == 0));
+            for number in 0..4 {
+                student.observe(&episode(number), env.as_ref(), &mut rng).unwrap();
+                ask(&mut student);
+                student.learn(env.as_ref(), &mut rng).unwrap();
+                let found = ask(&mut student);
+                let sizes = found.map(|found| (found.replay_episodes, found.replay_transitions));
+                let expected = u64::from(number) + 1;
+                assert!(sizes.is_none_or(|sizes| sizes == (expected, 20 * expected)), "{sizes:?}");
+            }
+            (state::encode(&student).unwrap(), rng)
+        };
+        let both = || (learned(true), learned(false));
+        let (asked, undisturbed) = if near { both() } else { far_away(both) };
+        assert!(asked == undisturbed);
+    }
+}

@@ -8,7 +8,7 @@ use tch::{Device, TchError, Tensor};
 use super::adam::Adam;
 use super::block::copy;
 use super::shape::Shape;
-use super::slices::with_slices;
+use super::slices::{read, with_slices};
 use super::stack::Stack;
 use crate::device::in_reach;
 use crate::error::AgentError;
@@ -69,6 +69,12 @@ impl Trained {
     /// Online networks and the gradient that a backward pass adds to.
     pub(crate) fn for_backward(&mut self) -> (&Stack, &mut Stack) {
         (&self.online, &mut self.gradient)
+    }
+
+    /// Euclidean norm of the gradient, ‖∂L/∂θ‖₂, of all members together.
+    pub(crate) fn gradient_norm(&self) -> Result<f64, TchError> {
+        let squares = |numbers: &[f32]| numbers.iter().map(|&g| f64::from(g).powi(2)).sum::<f64>();
+        Ok(read(&self.gradient.flat, squares)?.sqrt())
     }
 
     /// One Adam step of size `lr` down the gradient.

@@ -35,6 +35,9 @@ pub(super) struct Args {
     /// Judge claims also where both sides train different students
     #[arg(long)]
     mixed_students: bool,
+    /// Draw the student's losses, values and gradients, and the numbers that teachers record
+    #[arg(long)]
+    diagnostics: bool,
 }
 
 /// Numbers above `least` and below 1.
@@ -56,6 +59,7 @@ impl Args {
             fewest_pairs: self.fewest_pairs.into(),
             failures: failures.unwrap_or_default(),
             mixed_students: self.mixed_students,
+            diagnostics: self.diagnostics,
             catalogue: paper::catalogue(registry),
         }
     }

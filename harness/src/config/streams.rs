@@ -26,7 +26,7 @@ pub struct StreamSeeds {
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub exploration: Auto<u64>,
-    /// Batches and hindsight goals.
+    /// Batches and hindsight goals, also of the student's diagnoses.
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub replay: Auto<u64>,
@@ -76,7 +76,7 @@ impl StreamSeeds {
             Purpose::Weights => self.weights,
             Purpose::Environment => self.environment,
             Purpose::Exploration => self.exploration,
-            Purpose::Replay => self.replay,
+            Purpose::Replay | Purpose::Diagnosis(_) => self.replay,
             Purpose::Teacher => self.teacher,
             Purpose::Pool => self.pool,
             Purpose::Evaluation(_) => self.evaluation,
@@ -106,6 +106,7 @@ mod tests {
             Purpose::Replay,
             Purpose::Teacher,
             Purpose::Evaluation(4),
+            Purpose::Diagnosis(4),
         ] {
             assert_eq!(seeds.stream(7, purpose), stream(7, purpose), "{purpose:?}");
         }

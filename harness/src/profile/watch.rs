@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use agents::Products;
-use reports::schema::{Record, Teaching};
+use reports::schema::{Learning, Record, Teaching};
 
 use super::costs::{Costs, Size};
 use crate::run::checkpoint::{self, Checkpoint};
@@ -85,7 +85,7 @@ impl Observer for Watch<'_> {
         }
     }
 
-    fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
+    fn record(&mut self, record: &Record, _: &Teaching, _: &Learning) -> std::io::Result<()> {
         if record.eval_index == 0 {
             // The first evaluation comes before the first cycle.
             self.begun = Instant::now();

@@ -19,7 +19,7 @@ use super::state::TrainerState;
 use crate::error::HarnessError;
 use crate::files::new_file;
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 3, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 4, what: "a checkpoint" };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]

@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use reports::schema::{Record, Teaching};
+use reports::schema::{Learning, Record, Teaching};
 
 use super::state::TrainerState;
 
@@ -29,7 +29,7 @@ pub enum Stage {
     Learning,
     /// The part of [`Learning`](Self::Learning) in which it draws batches, if the student reports it.
     Sampling,
-    /// The student is evaluated.
+    /// The student is evaluated and diagnosed.
     Evaluating,
     /// A checkpoint is put together and saved.
     Saving,
@@ -44,7 +44,12 @@ pub trait Observer {
     ///
     /// # Errors
     /// If it cannot be recorded; the run then ends.
-    fn record(&mut self, _record: &Record, _teaching: &Teaching) -> std::io::Result<()> {
+    fn record(
+        &mut self,
+        _record: &Record,
+        _teaching: &Teaching,
+        _learning: &Learning,
+    ) -> std::io::Result<()> {
         Ok(())
     }
 
@@ -71,8 +76,8 @@ impl Observer for Vec<&mut dyn Observer> {
         self.iter_mut().for_each(|observer| observer.spent(stage, time));
     }
 
-    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
-        self.iter_mut().try_for_each(|observer| observer.record(record, teaching))
+    fn record(&mut self, record: &Record, teaching: &Teaching, learning: &Learning) -> std::io::Result<()> {
+        self.iter_mut().try_for_each(|observer| observer.record(record, teaching, learning))
     }
 
     fn cycle(&mut self, step: u64) -> std::io::Result<()> {

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use agents::{Agent, AgentError, Episode, Mode};
+use agents::{Agent, AgentError, DryStep, Episode, Mode};
 use curricula::{Curriculum, Lesson, ProposedGoal, Setting, TeacherSummary};
 use envs::rng::Purpose;
 use envs::{GoalEnv, Goals, Rows, draw_pool};
-use reports::schema::{Record, RunKey, Teaching};
+use reports::schema::{Learning, Record, RunKey, Teaching};
 use serde_json::{Map, Value};
 
 use super::error::RunError;
@@ -263,6 +263,7 @@ impl Trainer {
         let mut rng = self.config.seed.stream(self.key.seed, Purpose::Evaluation(self.evaluations));
         let pool = self.evaluation_pool.as_deref();
         let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
+        let learning = self.diagnose()?;
         observer.spent(Stage::Evaluating, laps.lap());
         let ranks = std::mem::take(&mut self.ranks);
         let TeacherSummary { weights, statistics } = self.curriculum.summary();
@@ -288,8 +289,28 @@ impl Trainer {
         let weights = weights.map(|weights| weights.iter().map(|&w| w as f32).collect());
         let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
         let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
-        observer.record(&record, &teaching)?;
+        observer.record(&record, &teaching, &learning)?;
         self.evaluations += 1;
         Ok(())
+    }
+
+    /// How the student's learning stands. Its batch comes from a stream of this evaluation's own, so that
+    /// nothing else depends on whether it is drawn.
+    fn diagnose(&mut self) -> Result<Learning, RunError> {
+        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Diagnosis(self.evaluations));
+        let found = self.agent.diagnose(self.env.as_ref(), &mut rng)?;
+        // JSON has no form for numbers that are not finite.
+        let number = |of: fn(&DryStep) -> f64| found.dry_step.as_ref().map(of).filter(|x| x.is_finite());
+        Ok(Learning {
+            eval_index: self.evaluations,
+            step: self.step,
+            critic_loss: number(|found| found.critic_loss),
+            actor_loss: number(|found| found.actor_loss),
+            mean_q: number(|found| found.mean_q),
+            critic_gradient_norm: number(|found| found.critic_gradient_norm),
+            actor_gradient_norm: number(|found| found.actor_gradient_norm),
+            replay_episodes: found.replay_episodes,
+            replay_transitions: found.replay_transitions,
+        })
     }
 }

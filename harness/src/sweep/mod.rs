@@ -35,7 +35,7 @@ use crate::protocol::plan::Plan;
 use crate::run::folder::{self, State};
 use crate::run::lock::Lock;
 use crate::run::manifest::{COMMIT, manifest};
-use crate::tracking::EventFile;
+use crate::tracking;
 
 pub use endings::Endings;
 pub use exit::ExitCode;
@@ -132,6 +132,7 @@ impl Sweep {
         cell::forget_unbegun(&self.results, &self.jobs)?;
         // What earlier sweeps left half-written when they were killed.
         self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
+        let mut lacks = Vec::new();
         for job in &mut self.jobs {
             if let State::Shorter(_) = job.state {
                 folder::extend(&job.folder, &job.manifest)?;
@@ -143,13 +144,14 @@ impl Sweep {
                     job.state = State::Begun;
                 }
                 State::Ended(_) if preparation.tensorboard => {
-                    EventFile::rewrite(&job.folder)
+                    let lack = tracking::catch_up(&job.folder)
                         .map_err(HarnessError::io(&job.folder, "write an event file in this folder"))?;
+                    lacks.extend(lack);
                 }
                 State::New | State::Shorter(_) | State::Begun | State::Ended(_) => {}
             }
         }
-        Ok(Prepared { sweep: self, is_new, _lock: Some(lock) })
+        Ok(Prepared { sweep: self, is_new, lacks, _lock: Some(lock) })
     }
 }
 
@@ -158,6 +160,8 @@ pub struct Prepared {
     sweep: Sweep,
     /// Whether there was no results folder before.
     is_new: bool,
+    /// What event files of ended runs lack, in a line each.
+    lacks: Vec<String>,
     /// A task of a job array has none: its runs' own locks keep others away.
     _lock: Option<Lock>,
 }
@@ -170,7 +174,7 @@ impl Prepared {
     pub fn for_task(list: &Path, index: usize) -> Result<(Self, Conduct), HarnessError> {
         let slurm::Share { results, jobs, conduct } = slurm::share(list, index)?;
         let sweep = Sweep { results, jobs, extend: false };
-        Ok((Self { sweep, is_new: false, _lock: None }, conduct))
+        Ok((Self { sweep, is_new: false, lacks: Vec::new(), _lock: None }, conduct))
     }
 
     /// All runs, in the order in which they are started.
@@ -181,6 +185,11 @@ impl Prepared {
     /// Those still to be done.
     pub fn open(&self) -> impl Iterator<Item = &Job> + Clone {
         self.sweep.open()
+    }
+
+    /// What event files of runs that had ended lack, in a line each: times that were lost.
+    pub fn lacking_times(&self) -> &[String] {
+        &self.lacks
     }
 
     /// The results folder.

@@ -12,7 +12,7 @@ use goalbench::config::{self, layer::ConfigLayer};
 use goalbench::run::observer::Observer;
 use goalbench::run::train::Trainer;
 use marked::{MARK, SEED};
-use reports::schema::{Record, RunKey, Teaching};
+use reports::schema::{Learning, Record, RunKey, Teaching};
 
 /// A run's records, and nothing kept on disk.
 #[derive(Default)]
@@ -22,7 +22,7 @@ struct Notes {
 }
 
 impl Observer for Notes {
-    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
+    fn record(&mut self, record: &Record, teaching: &Teaching, _: &Learning) -> std::io::Result<()> {
         self.records.push(record.clone());
         self.teaching.push(teaching.clone());
         Ok(())

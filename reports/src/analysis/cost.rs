@@ -7,21 +7,24 @@ use crate::stats;
 use crate::store::Run;
 
 /// What the finished runs of a group took up to their last evaluation; where none has finished, all of them.
-/// Times are means over seeds, in hours.
+/// Times are means in hours over the seeds whose last evaluation has a timing, since timings can be lost
+/// where records are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
     /// Fewest and most training steps at a seed's last evaluation.
     pub steps: (u64, u64),
     /// Mean over seeds of the student's gradient steps; those of a teacher's own networks are not counted.
     pub gradient_steps: f64,
-    /// Wall-clock time; `None` where the last evaluation of a seed has no timing.
+    /// Seeds whose last evaluation has a timing: those that the times are means over.
+    pub n_timed: usize,
+    /// Wall-clock time; `None` where no seed has a timing.
     pub wall_hours: Option<f64>,
     /// Evaluations' part of it.
     pub evaluation_hours: Option<f64>,
-    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where a seed's timings
-    /// do not tell.
+    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where the
+    /// timings of one of them do not tell.
     pub teacher_hours: Option<f64>,
-    /// The part of the student's gradient steps; `None` where a seed's timings do not tell.
+    /// The part of the student's gradient steps; likewise.
     pub learning_hours: Option<f64>,
 }
 
@@ -31,11 +34,11 @@ impl Cost {
         let last: Vec<_> = group.runs.iter().filter_map(|run| complete::recorded(run).last()).collect();
         let steps = || last.iter().map(|record| record.step);
         let gradient_steps: Vec<f64> = last.iter().map(|record| record.gradient_steps as f64).collect();
-        let timings: Option<Vec<&Timing>> = group.runs.iter().map(|run| last_timing(run)).collect();
-        let timings = timings.unwrap_or_default();
+        let timings: Vec<&Timing> = group.runs.iter().filter_map(|run| last_timing(run)).collect();
         Some(Self {
             steps: (steps().min()?, steps().max()?),
             gradient_steps: stats::mean(&gradient_steps)?,
+            n_timed: timings.len(),
             wall_hours: mean_hours(&timings, |timing| Some(timing.wall_s)),
             evaluation_hours: mean_hours(&timings, |timing| Some(timing.evaluation_s)),
             teacher_hours: mean_hours(&timings, |timing| timing.teacher_s),
@@ -55,6 +58,13 @@ impl Cost {
 pub fn last_timing(run: &Run) -> Option<&Timing> {
     let last = complete::recorded(run).last()?;
     run.timings.iter().find(|timing| timing.eval_index == last.eval_index)
+}
+
+/// Whether every evaluation of a run has a timing.
+pub fn is_timed(run: &Run) -> bool {
+    let records = complete::recorded(run);
+    let timed = |index: u64| run.timings.iter().any(|timing| timing.eval_index == index);
+    records.iter().all(|record| timed(record.eval_index))
 }
 
 /// Mean of some seconds, in hours; `None` without timings, or where one of them does not tell.
@@ -86,6 +96,7 @@ mod tests {
         let cost = Cost {
             steps: (0, 0),
             gradient_steps: 0.0,
+            n_timed: 2,
             wall_hours: Some(2.0),
             evaluation_hours: None,
             teacher_hours: Some(0.5),

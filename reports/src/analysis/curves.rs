@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::complete;
+use crate::analysis::cost;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::scores;
 use crate::schema::{Record, Timing};
@@ -25,8 +26,8 @@ pub struct Point {
     pub std: Option<f64>,
     /// Mean over those seeds of the student's gradient steps.
     pub gradient_steps: f64,
-    /// Mean over those seeds, but the ones that failed before, of the hours of wall-clock time, evaluations
-    /// included; `None` where one has no timing.
+    /// Mean over those seeds, but the ones that failed before and those with an evaluation without timing, of
+    /// the hours of wall-clock time, evaluations included; `None` where none is left.
     pub hours: Option<f64>,
 }
 
@@ -75,9 +76,10 @@ impl Curve {
         let steps = common_steps(&group.runs);
         let records = || group.runs.iter().flat_map(|run| &run.records);
         let known: BTreeSet<u64> = steps.iter().copied().collect();
+        let timed: Vec<bool> = group.runs.iter().map(|run| cost::is_timed(run)).collect();
         Self {
             key: group.key.clone(),
-            points: steps.into_iter().filter_map(|step| point(&group.runs, step)).collect(),
+            points: steps.into_iter().filter_map(|step| point(&group.runs, &timed, step)).collect(),
             episodes: (
                 records().map(|record| record.episodes).min().unwrap_or(u64::MAX),
                 records().map(|record| record.episodes).max().unwrap_or(0),
@@ -118,26 +120,26 @@ fn common_steps(runs: &[&Run]) -> Vec<u64> {
     common
 }
 
-/// The point of a curve of `runs` at `step`; `None` where none of them is there.
-fn point(runs: &[&Run], step: u64) -> Option<Point> {
+/// The point of a curve of `runs` at `step`, of which those that are `timed` tell the time; `None` where none
+/// of them is there.
+fn point(runs: &[&Run], timed: &[bool], step: u64) -> Option<Point> {
     let (mut rates, mut gradient_steps, mut times) = (Vec::new(), Vec::new(), Vec::new());
-    for run in runs {
+    for (run, &timed) in runs.iter().zip(timed) {
         let Some(rate) = scores::rate_at(&run.records, step) else { continue };
         rates.push(rate);
         let taken = run.records.iter().map(|record| (record.step, record.gradient_steps as f64));
         gradient_steps.extend(scores::value_at(taken, step));
-        if complete::recorded(run).last().is_some_and(|last| step <= last.step) {
-            times.push(hours(run, step));
+        if timed && complete::recorded(run).last().is_some_and(|last| step <= last.step) {
+            times.extend(hours(run, step));
         }
     }
-    let times: Option<Vec<f64>> = times.into_iter().collect();
     Some(Point {
         step,
         n: rates.len(),
         mean: stats::mean(&rates)?,
         std: stats::std_dev(&rates, DDOF),
         gradient_steps: stats::mean(&gradient_steps)?,
-        hours: times.and_then(|times| stats::mean(&times)),
+        hours: stats::mean(&times),
     })
 }
 

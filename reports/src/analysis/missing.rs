@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::analysis::catalogue::Catalogue;
 use crate::analysis::complete;
+use crate::analysis::cost;
+use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
@@ -31,6 +33,8 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
         }
     }
     lacking.extend(heat_maps(analysis));
+    lacking.extend(goal_maps(analysis));
+    lacking.extend(diagnoses(analysis));
     lacking.extend(any_success(&groups.all));
     lacking.extend(picks(&groups.all));
     lacking.extend(timings(analysis));
@@ -82,6 +86,33 @@ fn heat_maps(analysis: &Analysis<'_>) -> Vec<String> {
     lacking
 }
 
+/// Methods that were run in a task whose goals are points in space without a record of what their teacher
+/// did.
+fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
+    let drawn: Vec<&GroupKey> =
+        analysis.goals.environments.iter().flat_map(|maps| &maps.maps).map(|map| &map.key).collect();
+    let in_space = |id: &str| {
+        let environments = &analysis.catalogue().environments;
+        environments.iter().any(|info| info.id == id && info.goal == goal_map::COORDINATES)
+    };
+    let groups = analysis.groups.compared_groups().into_iter();
+    let silent = groups.filter(|group| in_space(&group.key.environment) && !drawn.contains(&&group.key));
+    let said = silent.map(|group| {
+        let (id, name) = (&group.key.environment, group.key.name());
+        format!("{id}: {name}: no record of what the teacher did, so no goal map")
+    });
+    said.collect()
+}
+
+/// Runs without a diagnosis of their student, where the report was asked for them.
+fn diagnoses(analysis: &Analysis<'_>) -> Option<String> {
+    let runs = analysis.store.runs();
+    let silent = runs.iter().filter(|run| analysis.student.of_run(run).is_empty()).count();
+    (analysis.options.diagnostics && silent > 0).then(|| {
+        format!("how students learned: {silent} of {} runs have no record of it (student.jsonl)", runs.len())
+    })
+}
+
 /// What timings do not tell.
 fn timings(analysis: &Analysis<'_>) -> Vec<String> {
     let mut lacking = Vec::new();
@@ -96,9 +127,22 @@ fn timings(analysis: &Analysis<'_>) -> Vec<String> {
             "the teacher's and the student's share of time: timings of {silent} of {all} methods do not tell"
         ));
     }
-    let mut points = analysis.groups.curves.iter().flat_map(|curve| &curve.points);
-    if points.any(|point| point.hours.is_none()) {
-        lacking.push("timings of some evaluations: figures over wall-clock time leave them out".to_owned());
+    for group in &analysis.groups.all {
+        let seeds: Vec<String> = group
+            .runs
+            .iter()
+            .filter(|run| !cost::is_timed(run))
+            .map(|run| run.key().seed.to_string())
+            .collect();
+        if !seeds.is_empty() {
+            lacking.push(format!(
+                "{}: {}: timings (timing.jsonl) of {} {}: times are those of the other seeds",
+                group.key.environment,
+                group.key.name(),
+                if seeds.len() == 1 { "seed" } else { "seeds" },
+                seeds.join(", "),
+            ));
+        }
     }
     lacking
 }

@@ -20,6 +20,8 @@ pub struct ReportOptions {
     pub failures: Failures,
     /// Whether methods that train different students are judged against each other all the same.
     pub mixed_students: bool,
+    /// Whether figures of students' losses, values and gradients and of teachers' numbers are drawn.
+    pub diagnostics: bool,
     /// What is known of methods, environments and the paper.
     pub catalogue: Catalogue,
 }
@@ -56,7 +58,7 @@ pub const FEWEST_PAIRS: usize = 5;
 
 impl Default for ReportOptions {
     /// The last 5 evaluations; [`Resampling::default`]; [`MARGIN`]; [`FEWEST_PAIRS`]; failures count 0;
-    /// different students are not judged; an empty catalogue.
+    /// different students are not judged; no diagnostics; an empty catalogue.
     fn default() -> Self {
         Self {
             window: 5,
@@ -65,6 +67,7 @@ impl Default for ReportOptions {
             fewest_pairs: FEWEST_PAIRS,
             failures: Failures::default(),
             mixed_students: false,
+            diagnostics: false,
             catalogue: Catalogue::default(),
         }
     }

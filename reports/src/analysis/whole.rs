@@ -9,6 +9,7 @@ use crate::analysis::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
 use crate::analysis::catalogue::{Catalogue, Paper};
 use crate::analysis::comparison::{self, Comparison};
 use crate::analysis::efficiency::{self, Efficiency};
+use crate::analysis::goal_map::GoalSpaces;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::groups::Groups;
 use crate::analysis::heat::Heat;
@@ -16,9 +17,11 @@ use crate::analysis::improvement::{self, Improvement};
 use crate::analysis::ledger::{self, LedgerEntry};
 use crate::analysis::options::ReportOptions;
 use crate::analysis::readings::Readings;
+use crate::analysis::student::StudentFiles;
 use crate::analysis::summary::GroupSummary;
 use crate::analysis::teaching::PickSummary;
 use crate::store::Store;
+use crate::store::problem::StoreProblem;
 
 /// The results, and all that is computed from them for more than one figure or table.
 #[derive(Debug)]
@@ -47,6 +50,10 @@ pub struct Analysis<'a> {
     pub readings: Readings,
     /// What teachers did in mazes.
     pub heat: Heat<'a>,
+    /// Where teachers sent students in tasks whose goals are points in space.
+    pub goals: GoalSpaces,
+    /// How students learned.
+    pub student: StudentFiles,
 }
 
 impl<'a> Analysis<'a> {
@@ -72,7 +79,14 @@ impl<'a> Analysis<'a> {
             ledger_elsewhere: ledger::ledger_elsewhere(&groups.all, options),
             readings: Readings::of(&groups.all, options),
             heat: Heat::of(results, groups, &catalogue.mazes),
+            goals: GoalSpaces::of(results, groups, &catalogue.environments),
+            student: StudentFiles::of(results, store),
         }
+    }
+
+    /// What is wrong with files beside the records, as far as they were read.
+    pub fn problems(&self) -> impl Iterator<Item = &StoreProblem> {
+        self.heat.problems.iter().chain(&self.goals.problems).chain(&self.student.problems)
     }
 
     /// What is known of methods and environments.

@@ -17,7 +17,7 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     Sheet::of(caption(), &analysis.summaries, &columns())
 }
 
-fn columns() -> [Column<'static, GroupSummary>; 13] {
+fn columns() -> [Column<'static, GroupSummary>; 14] {
     [
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
@@ -37,12 +37,17 @@ fn columns() -> [Column<'static, GroupSummary>; 13] {
             |row: &GroupSummary| row.cost.gradient_steps,
         )
         .shown("Gradient steps", |row| thousands(row.cost.gradient_steps.round() as u64)),
+        Column::count(
+            "n_timed",
+            "finished runs whose last evaluation has a timing: those that the times are means over",
+            |row: &GroupSummary| row.cost.n_timed as u64,
+        ),
         Column::real(
             "wall_hours",
-            "mean over finished runs of the hours of wall-clock time; empty where the last evaluation of one has no timing",
+            "mean over these of the hours of wall-clock time; empty where there are none",
             |row: &GroupSummary| row.cost.wall_hours,
         )
-        .shown("Time per run", |row| or_undefined(row.cost.wall_hours, duration)),
+        .shown("Time per run", time),
         Column::real(
             "teacher_hours",
             "hours of it spent in the teacher; empty where timings do not tell",
@@ -69,9 +74,18 @@ fn caption() -> String {
          the student, without those of a teacher's own networks. Time: by the clock on the wall, evaluations included. \
          Teacher: time spent in proposing goals, observing episodes and its \
          own learning, with their share of the wall-clock time; the student's learning and evaluations likewise; the \
-         rest is simulation. Means over seeds; {UNDEFINED} where timings do not tell. Times of runs that shared a \
+         rest is simulation. Means over seeds, over fewer where n says so, because the timings of the others were lost; {UNDEFINED} where \
+         timings do not tell. Times of runs that shared a \
          machine with others compare loosely."
     )
+}
+
+/// `0.50 h`; `0.50 h (n = 1)` where other runs have lost their timings.
+fn time(row: &GroupSummary) -> String {
+    let counted = if row.n_finished > 0 { row.n_finished } else { row.n_seeds };
+    let n_timed = row.cost.n_timed;
+    let few = if n_timed < counted { format!(" (n = {n_timed})") } else { String::new() };
+    or_undefined(row.cost.wall_hours, |hours| duration(hours) + &few)
 }
 
 /// `0.50 h (25 %)`.

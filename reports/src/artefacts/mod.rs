@@ -13,12 +13,14 @@ mod deviations;
 mod efficiency;
 mod environments;
 mod files;
+mod goal_map;
 mod heat;
 mod improvement;
 mod intervals;
 mod learning;
 mod ledger;
 mod made;
+mod numbers;
 mod options;
 mod page;
 mod profiles;
@@ -26,6 +28,7 @@ mod readings;
 mod records;
 mod report;
 mod runs;
+mod student;
 mod summary;
 mod teaching;
 mod variants;
@@ -42,6 +45,7 @@ use crate::render::table::Sheet;
 pub static ARTEFACTS: &[Artefact] = &[
     records::ROW,
     runs::ROW,
+    student::ROW,
     learning::STEPS,
     learning::GRADIENT_STEPS,
     learning::HOURS,
@@ -59,6 +63,9 @@ pub static ARTEFACTS: &[Artefact] = &[
     ablations::ROW,
     variants::ROW,
     heat::ROW,
+    goal_map::ROW,
+    student::FIGURES,
+    numbers::TEACHERS,
     comparisons::ROW,
     environments::ROW,
     deviations::ROW,

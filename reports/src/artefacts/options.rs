@@ -24,9 +24,17 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 
 fn rows(options: &ReportOptions) -> Vec<Row> {
     // The catalogue is no option of whoever asks for a report.
-    let ReportOptions { window, resampling, margin, fewest_pairs, failures, mixed_students, catalogue: _ } =
-        options;
-    let answer = if *mixed_students { "yes" } else { "no" };
+    let ReportOptions {
+        window,
+        resampling,
+        margin,
+        fewest_pairs,
+        failures,
+        mixed_students,
+        diagnostics,
+        catalogue: _,
+    } = options;
+    let answer = |yes: bool| if yes { "yes" } else { "no" };
     vec![
         ("window", window.to_string(), "evaluations at the end of a run that its final success averages"),
         ("confidence", resampling.confidence.to_string(), "coverage of intervals, and what verdicts keep"),
@@ -47,8 +55,13 @@ fn rows(options: &ReportOptions) -> Vec<Row> {
         ),
         (
             "mixed students",
-            answer.to_owned(),
+            answer(*mixed_students).to_owned(),
             "whether claims are judged where both sides train different students",
+        ),
+        (
+            "diagnostics",
+            answer(*diagnostics).to_owned(),
+            "whether students' losses, values and gradients and teachers' numbers are drawn",
         ),
         (
             "resamples",

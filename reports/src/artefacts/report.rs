@@ -54,7 +54,8 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
     let groups = Groups::of(&store, &completed, options);
     let analysis = Analysis::of(results, &store, &groups, options);
     // The problems of all files, for the report and for the caller.
-    let mut problems = [store.problems(), &analysis.heat.problems].concat();
+    let mut problems: Vec<StoreProblem> =
+        store.problems().iter().chain(analysis.problems()).cloned().collect();
     problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
     let missing = missing::all(&analysis);
     let made: Result<Vec<Made>, ReportError> = ARTEFACTS.iter().map(|row| make(row, &analysis)).collect();

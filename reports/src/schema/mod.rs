@@ -89,6 +89,48 @@ pub struct Teaching {
     pub ranks: Option<Vec<Option<u32>>>,
 }
 
+/// How the student's learning stood: a line of `student.jsonl`. Nothing in it depends on the clock.
+///
+/// Losses, values and gradients are those that a gradient step would find on one batch, drawn and relabelled
+/// as all batches are; `null` before the first episode, or where a number is not finite.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Learning {
+    /// The evaluation beside which it was taken.
+    pub eval_index: u64,
+    /// Training steps so far.
+    pub step: u64,
+    /// The critic's loss, mean (Q(s, g, a) − y)².
+    pub critic_loss: Option<f64>,
+    /// The actor's loss, −mean Q(s, g, π(s, g)) + λ·mean π².
+    pub actor_loss: Option<f64>,
+    /// Mean of Q(s, g, a).
+    pub mean_q: Option<f64>,
+    /// Euclidean norm of the critic's gradient.
+    pub critic_gradient_norm: Option<f64>,
+    /// Euclidean norm of the actor's gradient.
+    pub actor_gradient_norm: Option<f64>,
+    /// Episodes in the replay buffer.
+    pub replay_episodes: u64,
+    /// Transitions in the replay buffer.
+    pub replay_transitions: u64,
+}
+
+impl Learning {
+    /// Its numbers by name, always in the same order.
+    pub fn numbers(&self) -> [(&'static str, Option<f64>); 7] {
+        [
+            ("critic_loss", self.critic_loss),
+            ("actor_loss", self.actor_loss),
+            ("mean_q", self.mean_q),
+            ("critic_gradient_norm", self.critic_gradient_norm),
+            ("actor_gradient_norm", self.actor_gradient_norm),
+            ("replay_episodes", Some(self.replay_episodes as f64)),
+            ("replay_transitions", Some(self.replay_transitions as f64)),
+        ]
+    }
+}
+
 /// Time taken: a line of `timing.jsonl`, kept apart because it differs between machines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

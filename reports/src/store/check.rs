@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::load::Loader;
 use super::run_folder::JsonLine;
-use crate::schema::{Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Learning, Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
 use crate::store::problem::Fault;
 
@@ -37,8 +37,42 @@ fn values<T>(by_index: BTreeMap<u64, (usize, T)>) -> Vec<T> {
     by_index.into_values().map(|(_, value)| value).collect()
 }
 
-/// The usable timings, by rising evaluation.
-pub(super) fn timings(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Timing> {
+/// The usable timings of `records`, by rising evaluation: one that stands at another step than its
+/// evaluation, or before the timing of the evaluation before it, is none. An ended run has one for every
+/// evaluation.
+pub(super) fn timings(
+    loader: &mut Loader<'_>,
+    run: &RunKey,
+    records: &[Record],
+    has_ended: bool,
+) -> Vec<Timing> {
+    let mut kept: Vec<Timing> = Vec::with_capacity(records.len());
+    let mut found = by_index::<Timing>(loader, run);
+    let lacks = |record: &&Record| has_ended && !found.contains_key(&record.eval_index);
+    let lacking: Vec<u64> = records.iter().filter(lacks).map(|record| record.eval_index).collect();
+    for gap in lacking.chunk_by(|a, b| a + 1 == *b) {
+        loader.fault(layout::TIMING, None, Fault::Gap { from: gap[0], to: gap[gap.len() - 1] });
+    }
+    for record in records {
+        let Some((line, timing)) = found.remove(&record.eval_index) else { continue };
+        let before = kept.last().map_or(0.0, |before| before.wall_s);
+        let fault = if timing.step != record.step {
+            range("step", timing.step, "the step of the same evaluation")
+        } else if timing.wall_s < before {
+            range("wall_s", timing.wall_s, "no less than at the evaluation before")
+        } else {
+            None
+        };
+        match fault {
+            Some(fault) => loader.fault(layout::TIMING, Some(line), fault),
+            None => kept.push(timing),
+        }
+    }
+    kept
+}
+
+/// How the student's learning stood, as far as it can be used, by rising evaluation.
+pub(super) fn learning(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Learning> {
     values(by_index(loader, run))
 }
 
@@ -131,6 +165,25 @@ impl OfEvaluation for Timing {
             .filter_map(|(field, value)| Some((field, value?)))
             .find(|(_, value)| !(0.0..=wall_s).contains(value))?;
         range(field, value, "a number in [0, wall_s]")
+    }
+}
+
+impl OfEvaluation for Learning {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
+    }
+
+    fn misfit(&self, _: &RunKey) -> Option<Fault> {
+        let Self { critic_loss, critic_gradient_norm, actor_gradient_norm, .. } = *self;
+        let (field, value) = [
+            ("critic_loss", critic_loss),
+            ("critic_gradient_norm", critic_gradient_norm),
+            ("actor_gradient_norm", actor_gradient_norm),
+        ]
+        .into_iter()
+        .filter_map(|(field, value)| Some((field, value?)))
+        .find(|(_, value)| *value < 0.0)?;
+        range(field, value, "a number of at least 0")
     }
 }
 

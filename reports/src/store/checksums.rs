@@ -10,8 +10,8 @@ use super::error::StoreError;
 use super::{RunFolder, digest, layout, read_json};
 use crate::schema::{Manifest, RunKey, SCHEMA};
 
-/// The files that hold what a run found.
-const FILES: [&str; 2] = [layout::RECORDS, layout::TEACHING];
+/// The files that hold what a run found: without one of them it is not what it was.
+const FOUND: [&str; 3] = [layout::RECORDS, layout::TEACHING, layout::STUDENT];
 
 /// SHA-256, in hex, of schema, run and config: a manifest's hash. Versions are not part of it: they are
 /// recorded, not compared.
@@ -48,9 +48,17 @@ impl Checksums {
     /// # Errors
     /// [`StoreError::Io`] if a file cannot be read.
     pub fn of(folder: &RunFolder, run: &str) -> Result<Self, StoreError> {
-        let there = FILES.into_iter().filter(|name| folder.has(name));
+        let there = FOUND.into_iter().chain([layout::TIMING]).filter(|name| folder.has(name));
         let sums = there.map(|name| Ok((name.to_owned(), folder.sha256(name)?)));
         Ok(Self { run: run.to_owned(), sha256: sums.collect::<Result<_, StoreError>>()? })
+    }
+
+    /// Checks one file.
+    fn check(&self, folder: &RunFolder, name: &str) -> Result<(), StoreError> {
+        if self.sha256.get(name) == Some(&folder.sha256(name)?) {
+            return Ok(());
+        }
+        Err(altered(folder, name, "was cut off or altered after the run ended"))
     }
 }
 
@@ -72,19 +80,35 @@ pub fn check_manifest(folder: &RunFolder, manifest: &Manifest) -> Result<(), Sto
 /// [`StoreError::Altered`] naming the file that is missing, cut off, altered, or of another run; any other
 /// [`StoreError`] if one cannot be read.
 pub fn check_ended(folder: &RunFolder, manifest: &Manifest) -> Result<(), StoreError> {
-    let altered = |name: &str, reason| StoreError::Altered { path: folder.file(name), reason };
-    let noted: Checksums = read_json(&folder.file(layout::CHECKSUMS))?
-        .ok_or_else(|| altered(layout::CHECKSUMS, "is missing, though the run has ended"))?;
+    let noted = noted(folder)?;
     if !is_hash_of(&noted.run, manifest) {
-        return Err(altered(layout::CHECKSUMS, "belongs to a run with another config"));
+        return Err(altered(folder, layout::CHECKSUMS, "belongs to a run with another config"));
     }
-    for name in FILES {
-        let sum = noted.sha256.get(name);
-        // Old versions did not record what teachers did.
-        let never_was = sum.is_none() && name != layout::RECORDS && !folder.has(name);
-        if !never_was && sum != Some(&folder.sha256(name)?) {
-            return Err(altered(name, "was cut off or altered after the run ended"));
+    for name in FOUND {
+        // Old versions did not record what teachers did, nor how students learned.
+        let never_was = !noted.sha256.contains_key(name) && name != layout::RECORDS && !folder.has(name);
+        if !never_was {
+            noted.check(folder, name)?;
         }
     }
     Ok(())
+}
+
+/// Checks that an ended run in `folder` still has the timings that it ended with. What it found holds without
+/// them: whoever shows times checks this, and goes on without the times.
+///
+/// # Errors
+/// As [`check_ended`]. Old versions noted no checksum of timings: those pass.
+pub fn check_timings(folder: &RunFolder) -> Result<(), StoreError> {
+    let noted = noted(folder)?;
+    if noted.sha256.contains_key(layout::TIMING) { noted.check(folder, layout::TIMING) } else { Ok(()) }
+}
+
+fn noted(folder: &RunFolder) -> Result<Checksums, StoreError> {
+    let noted = read_json(&folder.file(layout::CHECKSUMS))?;
+    noted.ok_or_else(|| altered(folder, layout::CHECKSUMS, "is missing, though the run has ended"))
+}
+
+fn altered(folder: &RunFolder, name: &str, reason: &'static str) -> StoreError {
+    StoreError::Altered { path: folder.file(name), reason }
 }

@@ -38,11 +38,13 @@ pub const MANIFEST: &str = "manifest.json";
 pub const RECORDS: &str = "records.jsonl";
 /// A [`Teaching`](crate::schema::Teaching) per line.
 pub const TEACHING: &str = "teaching.jsonl";
+/// A [`Learning`](crate::schema::Learning) per line.
+pub const STUDENT: &str = "student.jsonl";
 /// A [`Timing`](crate::schema::Timing) per line.
 pub const TIMING: &str = "timing.jsonl";
 /// [`Outcome`](crate::schema::Outcome).
 pub const OUTCOME: &str = "outcome.json";
-/// Checksums of the files that hold what the run found.
+/// Checksums of the files that hold what the run found and how long it took.
 pub const CHECKSUMS: &str = "checksums.json";
 /// A [`Crash`](crate::schema::Crash) per line; absent where no worker crashed.
 pub const CRASHES: &str = "crashes.jsonl";
@@ -63,6 +65,7 @@ pub static FILES: &[RunFile] = &[
     RunFile { name: MANIFEST, merged: true, lives: Lives::Always },
     RunFile { name: RECORDS, merged: true, lives: Lives::Always },
     RunFile { name: TEACHING, merged: true, lives: Lives::Always },
+    RunFile { name: STUDENT, merged: true, lives: Lives::Always },
     RunFile { name: TIMING, merged: true, lives: Lives::Always },
     RunFile { name: OUTCOME, merged: true, lives: Lives::UntilReopened },
     RunFile { name: CHECKSUMS, merged: true, lives: Lives::UntilReopened },

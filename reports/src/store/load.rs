@@ -5,7 +5,7 @@ use super::problem::{Fault, StoreProblem};
 use super::results::Results;
 use super::run_folder::{JsonLine, RunFolder};
 use super::{Run, check, checksums, layout, lines};
-use crate::schema::{Crash, Manifest, Outcome, SCHEMA};
+use crate::schema::{Crash, Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
 
 /// A run's folder and what was found wrong in it so far.
 pub(super) struct Loader<'a> {
@@ -88,13 +88,20 @@ impl<'a> Loader<'a> {
         }
         let Err(error) = checksums::check_ended(self.folder, manifest) else { return true };
         let file = error.path().file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
-        let reason = match error {
-            StoreError::Altered { reason, .. } => reason.to_owned(),
-            StoreError::Io { action, source, .. } => format!("cannot {action}: {source}"),
-            error => error.to_string(),
-        };
-        self.fault(&file, None, Fault::Altered { reason });
+        self.fault(&file, None, Fault::Altered { reason: reason(error) });
         false
+    }
+
+    /// The timings of the evaluations; none where they are not those that the run ended with.
+    fn timings(&mut self, run: &RunKey, records: &[Record], has_ended: bool) -> Vec<Timing> {
+        let checked = if has_ended { checksums::check_timings(self.folder) } else { Ok(()) };
+        match checked {
+            Ok(()) => check::timings(self, run, records, has_ended),
+            Err(error) => {
+                self.fault(layout::TIMING, None, Fault::Untimed { reason: reason(error) });
+                Vec::new()
+            }
+        }
     }
 
     /// The run, as far as it can be used; `None` if it was altered.
@@ -105,7 +112,7 @@ impl<'a> Loader<'a> {
             return None;
         }
         let records = check::records(self, &manifest.run);
-        let timings = check::timings(self, &manifest.run);
+        let timings = self.timings(&manifest.run, &records, outcome.is_some());
         match &outcome {
             Some(outcome) => {
                 for fault in check::outcome(outcome, records.last().map(|record| record.step)) {
@@ -119,5 +126,14 @@ impl<'a> Loader<'a> {
             }
         }
         Some(Run { manifest, records, timings, outcome })
+    }
+}
+
+/// What is wrong with a file, without its path.
+fn reason(error: StoreError) -> String {
+    match error {
+        StoreError::Altered { reason, .. } => reason.to_owned(),
+        StoreError::Io { action, source, .. } => format!("cannot {action}: {source}"),
+        error => error.to_string(),
     }
 }

@@ -16,6 +16,7 @@ mod load;
 pub mod problem;
 mod results;
 mod run_folder;
+mod student;
 mod teaching;
 
 use std::path::Path;
@@ -25,6 +26,7 @@ use rayon::prelude::*;
 pub use error::StoreError;
 pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
+pub use student::learning;
 pub use teaching::teaching;
 
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};

@@ -58,6 +58,12 @@ pub enum Fault {
         /// What is wrong with it.
         reason: String,
     },
+    /// Timings of an ended run that are not what they were. What the run found holds without them.
+    #[error("{reason}, times left out")]
+    Untimed {
+        /// What is wrong with them.
+        reason: String,
+    },
     /// Text that is not what the schema says.
     #[error("not a valid {expected}, ignored: {reason}")]
     Malformed {

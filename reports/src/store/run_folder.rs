@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use super::error::StoreError;
 use super::layout::{self, Lives};
 use super::{digest, lines};
-use crate::schema::{Crash, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Crash, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 
 /// A value of which a file of a run's folder has one per line.
 pub trait JsonLine: DeserializeOwned {
@@ -28,6 +28,11 @@ impl JsonLine for Record {
 impl JsonLine for Teaching {
     const FILE: &'static str = layout::TEACHING;
     const NAME: &'static str = "teaching";
+}
+
+impl JsonLine for Learning {
+    const FILE: &'static str = layout::STUDENT;
+    const NAME: &'static str = "diagnosis of the student";
 }
 
 impl JsonLine for Timing {
@@ -128,6 +133,14 @@ impl RunFolder {
     /// # Errors
     /// [`StoreError`] naming the first line that is not what the schema says.
     pub fn teaching(&self) -> Result<Vec<Teaching>, StoreError> {
+        self.lines()
+    }
+
+    /// How its student's learning stood, `[evaluations]`.
+    ///
+    /// # Errors
+    /// [`StoreError`] naming the first line that is not what the schema says.
+    pub fn learning(&self) -> Result<Vec<Learning>, StoreError> {
         self.lines()
     }
 

@@ -18,7 +18,7 @@ pub use catalogue::catalogue;
 
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::error::ReportError;
-use crate::schema::{Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
+use crate::schema::{Learning, Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
 use crate::store::checksums::{self, Checksums};
 use crate::store::{RunFolder, layout};
 
@@ -153,6 +153,29 @@ impl Experiment {
         line
     }
 
+    /// How a student's learning might stand at an evaluation: its values rise and its gradients fall with its
+    /// success.
+    fn learn(&self, eval_index: u64, trend: Trend, rng: &mut ChaCha8Rng) -> Learning {
+        let step = eval_index * self.interval;
+        let rate = trend.at(eval_index as f64 / self.evaluations.max(1) as f64);
+        let empty = Learning { eval_index, step, ..Learning::default() };
+        if eval_index == 0 {
+            return empty;
+        }
+        let mut around = |value: f64| Some(value * rng.random_range(0.8..1.2));
+        let mean_q = around(-25.0 * (1.0 - rate));
+        Learning {
+            critic_loss: around(0.05 + 2.0 * rate),
+            actor_loss: mean_q.map(|q| 0.1 - q),
+            mean_q,
+            critic_gradient_norm: around(1.5),
+            actor_gradient_norm: around(0.3 * (1.0 - 0.8 * rate)),
+            replay_episodes: step / 50,
+            replay_transitions: step / 50 * 50,
+            ..empty
+        }
+    }
+
     fn write_run(
         &self,
         results: &Path,
@@ -208,6 +231,8 @@ impl Experiment {
                 layout::TEACHING,
                 (1..self.evaluations).map(|index| json_line(&self.teach(index, trend, rng))).collect(),
             )?;
+            let student = (0..self.evaluations).map(|index| self.learn(index, trend, rng));
+            file(layout::STUDENT, student.map(|line| json_line(&line)).collect())?;
         }
         file(layout::TIMING, timings.iter().map(json_line).collect())?;
         let sums = Checksums::of(&RunFolder::new(&folder), &manifest.hash);

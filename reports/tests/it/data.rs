@@ -30,6 +30,7 @@ fn the_data_are_complete_and_described() {
     let files = [
         ("records", 3),
         ("runs", 3),
+        ("student", 0),
         ("summary", 2),
         ("costs", 2),
         ("teaching", 0),

@@ -15,6 +15,8 @@ mod readings;
 mod report;
 mod statistics;
 mod store;
+mod student;
 mod support;
 mod teaching;
+mod timings;
 mod verdicts;

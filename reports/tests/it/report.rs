@@ -91,6 +91,8 @@ fn all_files_are_written_and_returned() {
         "records.parquet",
         "runs.csv",
         "runs.parquet",
+        "student.csv",
+        "student.parquet",
         "summary.csv",
         "summary.md",
         "tables/comparisons.tex",

@@ -214,9 +214,9 @@ fn timings_and_outcomes_are_checked() {
             folder.join(TIMING),
             concat!(
                 "{\"eval_index\":0,\"step\":0,\"wall_s\":-1.0,\"evaluation_s\":0.0}\n",
-                "{\"eval_index\":1,\"step\":1,\"wall_s\":2.0,\"evaluation_s\":0.0,\"teacher_s\":3.0}\n",
+                "{\"eval_index\":1,\"step\":1000,\"wall_s\":2.0,\"evaluation_s\":0.0,\"teacher_s\":3.0}\n",
                 // Files of old versions do not tell whose time it was.
-                "{\"eval_index\":2,\"step\":2,\"wall_s\":3.0,\"evaluation_s\":0.0}\n",
+                "{\"eval_index\":2,\"step\":2000,\"wall_s\":3.0,\"evaluation_s\":0.0}\n",
             ),
         )
         .unwrap();
@@ -226,6 +226,8 @@ fn timings_and_outcomes_are_checked() {
     let expected = [
         "outcome.json: evaluation at step 3000, kept; outcome.json says that the run ended at step 2000",
         "outcome.json: the run failed at step 2000, its evaluations are kept: NaN in Q",
+        "timing.jsonl: evaluations 0 to 1 are missing",
+        "timing.jsonl: evaluation 3 is missing",
         "timing.jsonl:1: wall_s is -1, line ignored; expected a number of at least 0",
         "timing.jsonl:2: teacher_s is 3, line ignored; expected a number in [0, wall_s]",
     ];

@@ -172,6 +172,9 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     for line in sweep.begun_by_other_commits()? {
         complain(&format!("goalbench: {line}"));
     }
+    for line in sweep.lacking_times() {
+        complain(&format!("goalbench: {line}"));
+    }
     match args.executor {
         Executor::Local => {
             warn_of_memory(registry, &sweep, args);

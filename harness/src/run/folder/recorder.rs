@@ -5,7 +5,7 @@ use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Outcome, Record, Teaching, Timing};
+use reports::schema::{Learning, Outcome, Record, Teaching, Timing};
 use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
@@ -13,13 +13,14 @@ use serde::{Deserialize, Serialize};
 use crate::error::HarnessError;
 use crate::files::write_json;
 use crate::run::observer::Stage;
-use crate::tracking::EventFile;
+use crate::tracking::{Evaluated, EventFile};
 
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extent {
     records: Prefix,
     teaching: Prefix,
+    student: Prefix,
     timing: Prefix,
     wall_s: f64,
     spent: Spent,
@@ -108,11 +109,13 @@ impl Log {
     }
 }
 
-/// Writes a run's `records.jsonl`, `teaching.jsonl`, `timing.jsonl` and, at last, `outcome.json`.
+/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl` and, at last,
+/// `checksums.json` and `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,
     teaching: Log,
+    student: Log,
     timing: Log,
     events: Option<EventFile>,
     /// Seconds of earlier attempts, up to the checkpoint that this one goes on from.
@@ -130,18 +133,20 @@ impl Recorder {
         let run = RunFolder::new(folder);
         let records = Log::open(run.file(layout::RECORDS), extent.records)?;
         let teaching = Log::open(run.file(layout::TEACHING), extent.teaching)?;
+        let student = Log::open(run.file(layout::STUDENT), extent.student)?;
         let timing = Log::open(run.file(layout::TIMING), extent.timing)?;
-        // All three are sound: only now is anything cut off.
-        for log in [&records, &teaching, &timing] {
+        // All are sound: only now is anything cut off.
+        for log in [&records, &teaching, &student, &timing] {
             log.file.set_len(log.bytes)?;
         }
-        // Only now: it is written from the logs, which have been cut back to the checkpoint.
+        // Only now: it follows the logs, which have been cut back to the checkpoint.
         let wanted = tensorboard || run.has(layout::EVENTS);
-        let events = wanted.then(|| EventFile::rewrite(folder)).transpose()?;
+        let events = wanted.then(|| EventFile::open(folder)).transpose()?;
         Ok(Self {
             folder: run,
             records,
             teaching,
+            student,
             timing,
             events,
             wall_before: extent.wall_s,
@@ -155,15 +160,22 @@ impl Recorder {
     /// # Errors
     /// If the disk refuses.
     pub fn extent(&self) -> std::io::Result<Extent> {
-        self.records.file.sync_data()?;
-        self.teaching.file.sync_data()?;
-        self.timing.file.sync_data()?;
+        self.sync()?;
         Ok(Extent {
             records: self.records.prefix(),
             teaching: self.teaching.prefix(),
+            student: self.student.prefix(),
             timing: self.timing.prefix(),
             wall_s: self.wall_s(),
             spent: self.spent,
+        })
+    }
+
+    fn sync(&self) -> std::io::Result<()> {
+        let Self { records, teaching, student, timing, .. } = self;
+        [records, teaching, student, timing].into_iter().try_for_each(|log| {
+            let synced = log.file.sync_data();
+            Ok(synced.map_err(StoreError::io(&log.path, "write this file through to the disk"))?)
         })
     }
 
@@ -182,13 +194,19 @@ impl Recorder {
         *sum += time.as_secs_f64();
     }
 
-    /// Appends one evaluation and what the teacher did before it.
+    /// Appends one evaluation, what the teacher did before it and how the student's learning stands.
     ///
     /// # Errors
     /// If the files cannot be written.
-    pub fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
+    pub fn record(
+        &mut self,
+        record: &Record,
+        teaching: &Teaching,
+        learning: &Learning,
+    ) -> std::io::Result<()> {
         self.records.append(record)?;
         self.teaching.append(teaching)?;
+        self.student.append(learning)?;
         let timing = Timing {
             eval_index: record.eval_index,
             step: record.step,
@@ -199,7 +217,12 @@ impl Recorder {
         };
         self.timing.append(&timing)?;
         match &mut self.events {
-            Some(events) => events.append(record, teaching, &timing),
+            Some(events) => events.append(&Evaluated {
+                record,
+                teaching: Some(teaching),
+                learning: Some(learning),
+                timing: Some(&timing),
+            }),
             None => Ok(()),
         }
     }
@@ -209,8 +232,7 @@ impl Recorder {
     /// # Errors
     /// If the outcome cannot be written.
     pub fn end(self, run: &str, outcome: &Outcome) -> std::io::Result<()> {
-        self.records.file.sync_all()?;
-        self.teaching.file.sync_all()?;
+        self.sync()?;
         write_json(&self.folder.file(layout::CHECKSUMS), &Checksums::of(&self.folder, run)?)?;
         write_json(&self.folder.file(layout::OUTCOME), outcome)
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Outcome, Record, Teaching};
+use reports::schema::{Learning, Outcome, Record, Teaching};
 
 use crate::run::checkpoint::{self, Checkpoint, REPLAY};
 use crate::run::folder::{Extent, Recorder};
@@ -54,8 +54,8 @@ impl Observer for RecordObserver {
         self.recorder.spent(stage, time);
     }
 
-    fn record(&mut self, record: &Record, teaching: &Teaching) -> std::io::Result<()> {
-        self.recorder.record(record, teaching)
+    fn record(&mut self, record: &Record, teaching: &Teaching, learning: &Learning) -> std::io::Result<()> {
+        self.recorder.record(record, teaching, learning)
     }
 
     fn checkpointer(&mut self) -> Option<&mut dyn Checkpointer> {
@@ -106,7 +106,7 @@ impl EventObserver {
 }
 
 impl Observer for EventObserver {
-    fn record(&mut self, record: &Record, _: &Teaching) -> std::io::Result<()> {
+    fn record(&mut self, record: &Record, _: &Teaching, _: &Learning) -> std::io::Result<()> {
         self.tell(&Event::Evaluated { step: record.step, success_rate: record.success_rate })
     }
 

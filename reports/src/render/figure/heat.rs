@@ -188,7 +188,7 @@ impl<'a> Sheet<'a> {
 }
 
 /// The colour of a value in [0, 1], between its neighbours on [`SCALE`].
-fn scale(value: f64) -> RGBColor {
+pub(super) fn scale(value: f64) -> RGBColor {
     let position = value.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
     let below = (position as usize).min(SCALE.len() - 2);
     let share = position - below as f64;

@@ -26,6 +26,32 @@ pub(super) fn reals(max: f64, most: u64) -> Vec<f64> {
     steps((max / unit + 1e-6) as u64, most).into_iter().map(scaled).collect()
 }
 
+/// Round numbers from `low` to `high`, at most `most` + 1 of them, for an axis that need not begin at 0.
+pub(super) fn between(low: f64, high: f64, most: u64) -> Vec<f64> {
+    let rough = (high - low) / most.max(1) as f64;
+    if !(rough.is_finite() && rough > 0.0) {
+        return vec![low];
+    }
+    let decade = 10_f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= rough);
+    let step = step.unwrap_or(10.0 * decade);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    // Through decimal text, which has no rounding error to show in a label.
+    let tick = |i: i64| format!("{:.6e}", i as f64 * step).parse().unwrap_or(i as f64 * step);
+    (first..=last).map(tick).collect()
+}
+
+/// `0`, `0.05`, `-12`, `1.5e-6`, `20k`, `3M`, `4e12`.
+pub(super) fn number(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        0.0 => "0".to_owned(),
+        _ if !(1e-3..1e10).contains(&size) => format!("{value:e}"),
+        _ if size >= 1e4 => format!("{}{}", if value < 0.0 { "-" } else { "" }, label(size)),
+        _ => value.to_string(),
+    }
+}
+
 /// `0`, `500`, `5k`, `12.5k`, `1M`.
 pub(super) fn label(steps: f64) -> String {
     match steps {
@@ -63,6 +89,16 @@ mod tests {
         assert_eq!(reals(2.78, 4), [0.0, 1.0, 2.0]);
         assert_eq!(reals(0.05, 5), [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]);
         assert_eq!(reals(13.0, 4), [0.0, 5.0, 10.0]);
+    }
+
+    #[test]
+    fn ticks_between_any_two_numbers_are_round_and_inside() {
+        assert_eq!(between(-3.2, 9.1, 4), [0.0, 5.0]);
+        assert_eq!(between(0.013, 0.052, 4), [0.02, 0.03, 0.04, 0.05]);
+        assert_eq!(between(-0.2, 0.2, 4), [-0.2, -0.1, 0.0, 0.1, 0.2]);
+        assert_eq!(between(1.0, 1.0, 4), [1.0]);
+        let labels = [0.0, -5.0, 0.05, 2e-6, 20_000.0, -1.5e6, 1e12].map(number);
+        assert_eq!(labels, ["0", "-5", "0.05", "2e-6", "20k", "-1.5M", "1e12"]);
     }
 
     #[test]
