@@ -9,10 +9,12 @@
 
 pub mod cli;
 pub mod config;
+mod console;
 pub mod error;
 pub mod estimate;
 mod files;
 pub mod merge;
+mod pace;
 pub mod paper;
 pub mod profile;
 pub mod protocol;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use reports::schema::{Outcome, Record, RunKey, Timing};
+use reports::schema::{Outcome, Record, RunKey};
 use reports::store::{Results, RunFolder};
 use serde::Serialize;
 
 use crate::error::{HarnessError, chain};
+use crate::pace;
 use crate::run::folder;
 use crate::run::lock::is_locked;
 
@@ -89,7 +90,6 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let (manifest, config) = folder::read_manifest(folder.path())?;
     let steps = config.budget.steps;
     let record: Option<Record> = folder.last();
-    let timing: Option<Timing> = folder.last();
     let (activity, reason) = match folder::outcome(folder.path(), &manifest)? {
         Some(Outcome::Finished { .. }) => (Activity::Finished, None),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
@@ -101,9 +101,7 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
         },
     };
     let step = record.as_ref().map_or(0, |record| record.step);
-    let speed = timing
-        .filter(|timing| timing.step > 0 && timing.wall_s > 0.0)
-        .map(|timing| timing.step as f64 / timing.wall_s);
+    let speed = pace::recorded(folder);
     let unfinished = !matches!(activity, Activity::Finished | Activity::Failed);
     Ok(RunStatus {
         step,

@@ -39,6 +39,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use crate::Registry;
+use crate::console::{self, complain, print};
 use crate::error::{HarnessError, chain};
 use crate::sweep::{ExitCode, local, worker};
 
@@ -104,7 +105,10 @@ enum Command {
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => return console::verdict(without_a_command(&answer)).into(),
+    };
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -130,22 +134,23 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         complain_of(&error);
         ExitCode::WrongInput
     });
-    code.into()
+    console::verdict(code).into()
+}
+
+/// Shows the help or version that was asked for, or what is wrong with the command line.
+fn without_a_command(answer: &clap::Error) -> ExitCode {
+    if answer.use_stderr() {
+        // Standard error, in colours where it is a terminal. Nobody is left to be told if this fails.
+        let _ = answer.print();
+        return ExitCode::WrongInput;
+    }
+    console::printed(|| answer.print().and_then(|()| std::io::stdout().flush()));
+    ExitCode::Success
 }
 
 /// Writes an error and what caused it to standard error.
 fn complain_of(error: &HarnessError) {
     complain(&format!("goalbench: {}", chain(error)));
-}
-
-/// Writes to standard output. A reader that went away (`| head`) is no error.
-fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
-}
-
-/// Writes a line to standard error.
-fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 type Exit = Result<ExitCode, HarnessError>;

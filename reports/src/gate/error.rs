@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::ReportError;
 use crate::schema::RunKey;
 use crate::store::StoreError;
+use crate::wording::counted;
 
 /// Errors of the gate. What failed below is an error's source and not part of its text.
 #[derive(Debug, thiserror::Error)]
@@ -74,8 +75,10 @@ pub enum GateError {
     /// Seeds with which no test can fail: that gate would be no gate.
     #[error(
         "{now} now against {before} in the baseline: no fall can be significant, since the lowest p-value is 1 in \
-         {splits}, corrected for {tests} tests {:.2}, above alpha = {alpha}; take more seeds, or fewer cells",
-        *tests as f64 / splits
+         {splits}, corrected for {} {:.2}, above alpha = {alpha}; take more seeds, or fewer cells",
+        counted(*tests, "test"),
+        // As the correction has it: no p-value exceeds 1.
+        (*tests as f64 / splits).min(1.0)
     )]
     TooFewSeeds {
         /// Seeds of the check.

@@ -5,6 +5,8 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
+use reports::wording::counted;
+
 use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag};
 use super::{Exit, complain, print};
 use crate::Registry;
@@ -192,9 +194,9 @@ fn submit(sweep: &Prepared, name: &str, args: &Args) -> Exit {
         return Ok(summarise(&sweep.kept(), sweep.results(), false));
     };
     print(&format!(
-        "submitted job {} with {} tasks; next: goalbench status {}\n",
+        "submitted job {} with {}; next: goalbench status {}\n",
         submitted.job,
-        submitted.tasks,
+        counted(submitted.tasks, "task"),
         sweep.results().display()
     ));
     Ok(ExitCode::Success)
