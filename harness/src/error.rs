@@ -62,7 +62,7 @@ pub enum HarnessError {
     },
     /// A run's folder was written with another config.
     #[error(
-        "{folder}: this run was recorded with another config, which must not be mixed with this one:\n{differences}\n\
+        "{folder}: this run was recorded with another config or by another program, which must not be mixed with this one:\n{differences}\n\
          Nothing was changed. Choose another --out, or delete that folder."
     )]
     OtherConfig {

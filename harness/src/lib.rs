@@ -17,6 +17,7 @@ pub mod merge;
 mod pace;
 pub mod paper;
 pub mod profile;
+mod program;
 pub mod protocol;
 mod registry;
 pub mod regress;
@@ -27,4 +28,5 @@ pub mod sweep;
 pub mod tracking;
 
 pub use error::HarnessError;
+pub use program::Program;
 pub use registry::Registry;

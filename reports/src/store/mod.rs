@@ -12,6 +12,7 @@ mod error;
 pub mod layout;
 mod lines;
 mod load;
+mod makers;
 pub mod problem;
 mod results;
 mod run_folder;
@@ -91,6 +92,7 @@ impl Store {
         }
         runs.sort_by(|a, b| a.key().cmp(b.key()));
         problems.extend(check::configs(&runs));
+        problems.extend(makers::differing(&runs));
         problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
         Ok(Self { runs, problems })
     }

@@ -83,6 +83,20 @@ pub enum Fault {
         /// Run named by the manifest.
         found: RunKey,
     },
+    /// A run of another version than the others of its cell.
+    #[error(
+        "versions.{name} is `{found}`, that of {other} is `{expected}`: a cell's runs should be made alike"
+    )]
+    Maker {
+        /// What differs: the program or the curriculum.
+        name: &'static str,
+        /// Its version here.
+        found: String,
+        /// The run that it is compared with.
+        other: RunKey,
+        /// Its version there.
+        expected: String,
+    },
     /// An evaluation of another run.
     #[error("evaluation of {found}, ignored; the manifest here says {expected}")]
     Foreign {

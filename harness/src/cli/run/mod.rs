@@ -143,7 +143,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
-    for line in sweep.begun_by_other_commits()? {
+    for line in sweep.begun_by_other_builds()? {
         complain(&format!("goalbench: {line}"));
     }
     match args.executor {

@@ -30,8 +30,8 @@ pub enum State {
 /// Looks at `folder` for the run that `wanted` describes; changes nothing.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
-/// another version of the program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
+/// [`HarnessError::OtherConfig`] if the folder holds a run with another config or another version of the
+/// curriculum, or an unfinished one of another program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
 /// [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
@@ -59,16 +59,19 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
         return Err(other(differences(&found.config, &wanted.config)));
     }
     manifest::config(&found).map_err(damaged)?;
+    if let Some(differences) = manifest::other_curriculum(&found, wanted) {
+        return Err(other(differences));
+    }
     let outcome = outcome(folder, &found)?;
     if outcome.is_none() {
-        check_program(folder, &found)?;
+        check_program(folder, &found, wanted)?;
     }
     Ok(outcome.map_or(State::Begun, State::Ended))
 }
 
 /// Refuses a run of another version of the program: going on would mix what two programs computed.
-fn check_program(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
-    manifest::other_program(manifest).map_or(Ok(()), |differences| {
+fn check_program(folder: &Path, found: &Manifest, wanted: &Manifest) -> Result<(), HarnessError> {
+    manifest::other_program(found, wanted).map_or(Ok(()), |differences| {
         Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences })
     })
 }
@@ -97,13 +100,13 @@ fn anew(error: StoreError) -> HarnessError {
     }
 }
 
-/// Turns a failed run back into an unfinished one, which goes on from its checkpoint if it has one.
+/// Turns a failed run back into an unfinished one, as `wanted` describes it, which goes on from its checkpoint if it has one.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
 /// files cannot be removed.
-pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
-    check_program(folder, &read_manifest(folder)?.0)?;
+pub fn reopen(folder: &Path, wanted: &Manifest) -> Result<(), HarnessError> {
+    check_program(folder, &read_manifest(folder)?.0, wanted)?;
     Ok(RunFolder::new(folder).remove(Lives::UntilReopened)?)
 }
 

@@ -145,10 +145,13 @@ mod tests {
         let line = |columns| row(name).fit(columns).trim_end().to_owned();
         assert_eq!(
             line(199),
-            "HandManipulateBlockRotateParallel/her-iid-pool/default/seed-0    ===================>  400000/1000000000 \
+            "HandManipulateBlockRotateParallel/her-iid-pool/default/seed-0    ===================> 400000/1000000000 \
              success 0.25  1234 steps/s  1h 05m left"
         );
-        assert_eq!(line(79), "…el/her-iid-pool/default/seed-0   400000/1000000000 success 0.25  1h 05m left");
+        assert_eq!(
+            line(79),
+            "…rallel/her-iid-pool/default/seed-0 400000/1000000000 success 0.25  1h 05m left"
+        );
         assert_eq!(line(59), "…ateParallel/her-iid-pool/default/seed-0  99 % 0.25  1h 05m");
         assert_eq!(line(39), "…pool/default/seed-0  99 % 0.25  1h 05m");
         assert_eq!(line(12), "…eed-0  99 %");
