@@ -1,8 +1,8 @@
 //! What the program says: the only writer to standard output, and the only one to standard error.
 //!
 //! A reader that went away (`| head`) has had enough, which is no error. Anything else that keeps a text from
-//! being written, such as a full disk behind `> file`, is: the work goes on, whoever asked for it is told once,
-//! and [`verdict`] turns a success into a failure.
+//! being written, such as a full disk behind `> file`, is: the work goes on, whoever asked for it is told
+//! once, and [`verdict`] turns a success into a failure.
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::Mutex;
@@ -69,7 +69,8 @@ pub(crate) fn verdict(code: ExitCode) -> ExitCode {
 pub(crate) const FEWEST_COLUMNS: usize = 20;
 
 /// Width of the terminal that standard error is; `None` where only plain lines can be shown: it is none, it
-/// does not say how wide it is or is too narrow, or its user asks for plain text by `TERM=dumb` or `NO_COLOR`.
+/// does not say how wide it is or is too narrow, or its user asks for plain text by `TERM=dumb` or
+/// `NO_COLOR`.
 pub(crate) fn columns() -> Option<usize> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let is_plain = std::env::var_os("TERM").is_none_or(|kind| kind.is_empty() || kind == "dumb");

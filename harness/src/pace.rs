@@ -22,8 +22,8 @@ pub(crate) fn rounded(steps_per_s: f64) -> String {
     if steps_per_s < 9.95 { format!("{steps_per_s:.1}") } else { format!("{steps_per_s:.0}") }
 }
 
-/// `STEP/STEPS`: how far a run is. It trains in whole cycles, so its last one may take it past its budget; what
-/// it took is then what there was to take.
+/// `STEP/STEPS`: how far a run is. It trains in whole cycles, so its last one may take it past its budget;
+/// what it took is then what there was to take.
 pub(crate) fn of_steps(step: u64, budget: u64) -> String {
     format!("{step}/{}", budget.max(step))
 }

@@ -55,7 +55,8 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, ManifestError> {
 /// a run from going on, since most commits change no result.
 pub const COMMIT: &str = "commit";
 
-/// Likewise, of the SHA-256 of the program's file. A program built again may differ in it and in nothing else.
+/// Likewise, of the SHA-256 of the program's file. A program built again may differ in it and in nothing
+/// else.
 pub const EXECUTABLE: &str = "executable";
 
 /// How the program and the curriculum of `found` differ from those of `wanted`: a line for each differing

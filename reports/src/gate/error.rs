@@ -141,3 +141,20 @@ fn shortened(lines: &[String]) -> String {
     }
     shown.join("\n  ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_p_value_exceeds_one_and_one_test_is_one() {
+        let told =
+            |tests| GateError::TooFewSeeds { now: 1, before: 2, tests, splits: 3.0, alpha: 0.05 }.to_string();
+        assert!(
+            told(22).contains("the lowest p-value is 1 in 3, corrected for 22 tests 1.00, above"),
+            "{}",
+            told(22)
+        );
+        assert!(told(1).contains("corrected for 1 test 0.33, above"), "{}", told(1));
+    }
+}

@@ -31,8 +31,8 @@ pub enum State {
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if the folder holds a run with another config or another version of the
-/// curriculum, or an unfinished one of another program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
-/// [`HarnessError::Store`] if its files are not what they were.
+/// curriculum, or an unfinished one of another program; [`HarnessError::Damaged`], [`HarnessError::Manifest`]
+/// or [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
@@ -100,7 +100,8 @@ fn anew(error: StoreError) -> HarnessError {
     }
 }
 
-/// Turns a failed run back into an unfinished one, as `wanted` describes it, which goes on from its checkpoint if it has one.
+/// Turns a failed run, which `wanted` describes, back into an unfinished one: it goes on from its checkpoint
+/// if it has one.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
