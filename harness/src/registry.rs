@@ -4,6 +4,7 @@ use curricula::Entry as CurriculumEntry;
 use envs::{Environment, Suite};
 use reports::schema::RunKey;
 
+use crate::Program;
 use crate::error::HarnessError;
 
 /// Lists of environments, suites and curricula. A program of your own can extend the built-in ones and then
