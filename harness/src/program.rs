@@ -15,12 +15,8 @@ pub struct Program {
     pub version: &'static str,
 }
 
-/// The [`Program`] in whose source this stands: the name of the binary and the version of its package.
-///
-/// ```
-/// let registry = goalbench::Registry::builtin().of_program(goalbench::program!());
-/// assert!(registry.program().is_some_and(|program| !program.version.is_empty()));
-/// ```
+/// The [`Program`] in whose source this stands: the name of the binary and the version of its package, as in
+/// `Registry::builtin().of_program(goalbench::program!())`.
 #[macro_export]
 macro_rules! program {
     () => {

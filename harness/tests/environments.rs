@@ -69,7 +69,7 @@ fn pictures_are_never_mixed_with_others_and_are_what_their_names_say() {
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let draw = |more: &[&str]| {
         let args = ["render", "--env", "Point", "--size", "16"];
-        goalbench(&[&args, more].concat())
+        goalbench(&[&args[..], more].concat())
     };
     let frames = path("frames");
     assert!(draw(&["--episodes", "2", "--frames", &frames]).status.success());

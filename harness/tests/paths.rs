@@ -87,12 +87,13 @@ fn gates_take_them_too() {
         student.updates_per_cycle = 1\npool.size = 5\n";
     std::fs::write(folder.path().join(&protocol), text).expect("the test folder can be written");
     let (results, base, out) = (name(b"ru\xffns"), name(b"ba\xffse.json"), name(b"che\xffck"));
-    let args = ["regress".as_ref(), "record".as_ref(), protocol.as_os_str()];
-    let places = ["--results".as_ref(), results.as_os_str(), "--out".as_ref(), &base];
-    let mut run: Vec<&OsStr> = vec!["run".as_ref(), &protocol, "--out".as_ref(), &results];
+    let args: [&OsStr; 3] = ["regress".as_ref(), "record".as_ref(), protocol.as_os_str()];
+    let places: [&OsStr; 4] = ["--results".as_ref(), results.as_os_str(), "--out".as_ref(), &base];
+    let run: [&OsStr; 4] = ["run".as_ref(), &protocol, "--out".as_ref(), &results];
     succeeds(folder.path(), &run);
     succeeds(folder.path(), &[&args[..], &places[..]].concat());
-    run = vec!["regress".as_ref(), "check".as_ref(), "--baseline".as_ref(), &base, "--exact".as_ref()];
-    run.extend(["--results".as_ref(), results.as_os_str(), "--out".as_ref(), &out]);
-    succeeds(folder.path(), &run);
+    let check: [&OsStr; 5] =
+        ["regress".as_ref(), "check".as_ref(), "--baseline".as_ref(), &base, "--exact".as_ref()];
+    let places: [&OsStr; 4] = ["--results".as_ref(), &results, "--out".as_ref(), &out];
+    succeeds(folder.path(), &[&check[..], &places[..]].concat());
 }

@@ -16,7 +16,7 @@ pub(super) fn differing(runs: &[Run]) -> Vec<StoreProblem> {
     };
     let cells = runs.chunk_by(|a, b| cell(a) == cell(b));
     cells
-        .flat_map(|cell| [CURRICULUM, PROGRAM].into_iter().flat_map(|name| differing_in(name, cell)))
+        .flat_map(|cell| [CURRICULUM, PROGRAM].into_iter().flat_map(move |name| differing_in(name, cell)))
         .collect()
 }
 
