@@ -47,6 +47,7 @@ use crate::state::TeacherState;
 ///     const ID: &'static str = "in-turn";
 ///     const TITLE: &'static str = "In turn";
 ///     const SOURCE: &'static str = "An example";
+///     const VERSION: &'static str = "1";
 ///     const USES_POOL: bool = true;
 ///
 ///     fn build(_config: InTurnConfig, setting: &Setting) -> Result<Self, CurriculumError> {
@@ -84,6 +85,10 @@ pub trait Method: Sized + Send + Sync + 'static {
     const TITLE: &'static str;
     /// The paper, in one line.
     const SOURCE: &'static str;
+    /// Version of what it does, recorded with every run: another one whenever the same config teaches in
+    /// another way. Runs of one version are neither carried on nor taken for its own by another. Where nobody
+    /// counts, `env!("CARGO_PKG_VERSION")` gives the version of the method's package.
+    const VERSION: &'static str;
     /// How its curves are drawn: unlike any other's. A method without a look of its own gets a free one in
     /// each report.
     const LOOK: Option<Look> = None;

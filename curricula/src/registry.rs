@@ -42,6 +42,8 @@ pub struct Entry {
     pub title: &'static str,
     /// [`Method::SOURCE`].
     pub source: &'static str,
+    /// [`Method::VERSION`].
+    pub version: &'static str,
     /// [`Method::LOOK`].
     pub look: Option<Look>,
     /// [`Method::USES_POOL`].
@@ -72,6 +74,7 @@ impl Entry {
             id: M::ID,
             title: M::TITLE,
             source: M::SOURCE,
+            version: M::VERSION,
             look: M::LOOK,
             uses_pool: M::USES_POOL,
             schema: M::schema,

@@ -22,7 +22,8 @@ use goalbench::Registry;
 use serde::{Deserialize, Serialize};
 
 fn main() -> ExitCode {
-    goalbench::cli::main(Registry::builtin().with_curriculum(Entry::of::<Nearest>()))
+    let registry = Registry::builtin().of_program(goalbench::program!());
+    goalbench::cli::main(registry.with_curriculum(Entry::of::<Nearest>()))
 }
 
 /// Options, as in `--set curriculum.nearest.growth=0.02`.
@@ -73,6 +74,8 @@ impl Method for Nearest {
     const ID: &'static str = "nearest";
     const TITLE: &'static str = "Nearest first";
     const SOURCE: &'static str = "A distance curriculum, as an example";
+    /// Raised when it teaches in another way, so that its runs are never taken for those of an older one.
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn check(config: &NearestConfig) -> Result<(), CurriculumError> {

@@ -18,7 +18,8 @@ use envs::{Defaults, Draws, Env, EnvError, Environment, Observation, Reward, Spe
 use goalbench::Registry;
 
 fn main() -> ExitCode {
-    goalbench::cli::main(Registry::builtin().with_environment(ARM).with_suite("easy", &["ArmReach", "Point"]))
+    let registry = Registry::builtin().of_program(goalbench::program!()).with_environment(ARM);
+    goalbench::cli::main(registry.with_suite("easy", &["ArmReach", "Point"]))
 }
 
 /// The row of the list of environments.

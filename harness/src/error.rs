@@ -63,8 +63,9 @@ pub enum HarnessError {
     },
     /// A run's folder was written with another config.
     #[error(
-        "{folder}: this run was recorded with another config. The runs of one environment, curriculum and variant \
-         differ in their seeds alone:\n{differences}\nNothing was changed. Choose another --out, or delete that folder."
+        "{folder}: this run was recorded with another config or by another program. The runs of one environment, \
+         curriculum and variant differ in their seeds alone:\n{differences}\nNothing was changed. Choose another --out, or delete \
+         that folder."
     )]
     OtherConfig {
         /// The run's folder.

@@ -9,14 +9,17 @@
 
 pub mod cli;
 pub mod config;
+mod console;
 pub mod error;
 pub mod estimate;
 mod files;
 pub mod memory;
 pub mod merge;
 pub mod outputs;
+mod pace;
 pub mod paper;
 pub mod profile;
+mod program;
 pub mod protocol;
 mod registry;
 pub mod regress;
@@ -27,4 +30,5 @@ pub mod sweep;
 pub mod tracking;
 
 pub use error::HarnessError;
+pub use program::Program;
 pub use registry::Registry;

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    goalbench::cli::main(goalbench::Registry::builtin())
+    goalbench::cli::main(goalbench::Registry::builtin().of_program(goalbench::program!()))
 }

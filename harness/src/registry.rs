@@ -7,14 +7,17 @@ use envs::{Environment, Suite};
 use reports::schema::RunKey;
 use serde_json::Value as Json;
 
+use crate::Program;
 use crate::config::schema;
 use crate::error::HarnessError;
 
 /// Lists of environments, suites and curricula. A program of your own can extend the built-in ones and then
-/// has the whole command line: `goalbench::cli::main(Registry::builtin().with_environment(MINE))`. See
+/// has the whole command line:
+/// `goalbench::cli::main(Registry::builtin().of_program(goalbench::program!()).with_environment(MINE))`. See
 /// `harness/examples/` for two such programs.
 #[derive(Clone)]
 pub struct Registry {
+    program: Option<Program>,
     environments: Vec<Environment>,
     suites: Vec<Suite>,
     curricula: Vec<CurriculumEntry>,
@@ -26,11 +29,25 @@ impl Registry {
     /// Everything that this workspace brings.
     pub fn builtin() -> Self {
         Self {
+            program: None,
             environments: envs::environments().cloned().collect(),
             suites: envs::SUITES.to_vec(),
             curricula: curricula::CURRICULA.to_vec(),
             config_schema: OnceLock::new(),
         }
+    }
+
+    /// Says which program this is, for the manifests of its runs: `.of_program(goalbench::program!())`. A run
+    /// that one program or version began is not carried on by another.
+    #[must_use]
+    pub fn of_program(mut self, program: Program) -> Self {
+        self.program = Some(program);
+        self
+    }
+
+    /// The program, if it has said which it is.
+    pub fn program(&self) -> Option<Program> {
+        self.program
     }
 
     /// Adds a curriculum.

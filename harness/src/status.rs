@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use reports::schema::{Manifest, Outcome, Record, RunKey, Timing};
+use reports::schema::{Manifest, Outcome, Record, RunKey};
 use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, Survey, checksums};
 use serde::Serialize;
 
 use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
+use crate::pace;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::is_locked;
 
@@ -125,7 +126,7 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let record: Option<Record> = folder.last();
     // A run is what it found, with or without its times.
     let untimed = outcome.as_ref().and_then(|_| checksums::check_timings(folder).err());
-    let timing: Option<Timing> = if untimed.is_none() { folder.last() } else { None };
+    let speed = if untimed.is_none() { pace::recorded(folder) } else { None };
     let (activity, reason) = match outcome {
         Some(Outcome::Finished { .. }) => (Activity::Finished, untimed.map(|error| chain(&error))),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
@@ -137,10 +138,7 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
         },
     };
     let step = record.as_ref().map_or(0, |record| record.step);
-    let speed = timing
-        .filter(|timing| timing.step > 0 && timing.wall_s > 0.0)
-        .map(|timing| timing.step as f64 / timing.wall_s)
-        .filter(|speed| speed.is_normal());
+
     let unfinished = !matches!(activity, Activity::Finished | Activity::Failed);
     Ok(RunStatus {
         step,

@@ -64,6 +64,52 @@ fn render_draws_random_actions_and_a_trained_run() {
 }
 
 #[test]
+fn pictures_are_never_mixed_with_others_and_are_what_their_names_say() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let draw = |more: &[&str]| {
+        let args = ["render", "--env", "Point", "--size", "16"];
+        goalbench(&[&args[..], more].concat())
+    };
+    let frames = path("frames");
+    assert!(draw(&["--episodes", "2", "--frames", &frames]).status.success());
+    let before: Vec<_> =
+        fs::read_dir(&frames).expect("they are written").map(|entry| entry.expect("one").path()).collect();
+    assert_eq!(before.len(), 42);
+    let refused = draw(&["--episodes", "1", "--frames", &frames]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("is not empty; name a new or an empty folder"), "{}", stderr(&refused));
+    assert_eq!(fs::read_dir(&frames).expect("they are there").count(), 42);
+
+    for name in ["x.mp4", "x", "x.gif.png", ".gif"] {
+        let refused = draw(&["--episodes", "1", "--out", &path(name)]);
+        assert_eq!(refused.status.code(), Some(2), "{name}");
+        assert!(stderr(&refused).contains("animations are written as .gif"), "{}", stderr(&refused));
+        assert!(!Path::new(&path(name)).exists(), "{name}");
+    }
+    assert!(draw(&["--episodes", "1", "--out", &path("X.GIF")]).status.success());
+    // A place that cannot be written is found out before anything is drawn.
+    let refused = draw(&["--episodes", "1000", "--out", "/proc/x.gif", "--frames", &path("none")]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(!Path::new(&path("none")).exists());
+}
+
+#[test]
+fn pictures_are_drawn_in_bounded_memory() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // 102 pictures of 2048² pixels are 1.3 GB; the address space without any is 0.7 GB.
+    let script = "ulimit -v 1500000; exec \"$goalbench\" render --env MazeA --episodes 2 --size 2048 --frames \"$dir\"";
+    let output = std::process::Command::new("sh")
+        .args(["-ec", script])
+        .env("goalbench", env!("CARGO_BIN_EXE_goalbench"))
+        .env("dir", folder.path().join("frames"))
+        .output()
+        .expect("a shell starts");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stdout(&output).contains("102 pictures of 2 episodes"), "{}", stdout(&output));
+}
+
+#[test]
 fn render_refuses_what_it_cannot_draw() {
     for (args, expected) in [
         (vec!["render", "--env", "MazeD", "--out", "x.gif"], "did you mean `MazeA`"),

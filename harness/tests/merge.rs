@@ -85,17 +85,6 @@ fn of_two_equal_runs_the_one_that_kept_its_timings_is_taken() {
     }
 }
 
-fn of_two_equal_runs_the_one_that_kept_its_timings_is_taken() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let (a, b) = shares(folder.path());
-    fs::remove_file(run(&a, 1).join(layout::TIMING)).expect("timings");
-    for (name, sources) in [("ab", [&*a, &*b]), ("ba", [&*b, &*a])] {
-        let out = folder.path().join(name);
-        assert!(merge(&sources, &out).status.success());
-        assert!(run(&out, 1).join(layout::TIMING).exists(), "{name}");
-    }
-}
-
 #[test]
 fn of_several_copies_the_sound_one_is_taken_whatever_their_order() {
     let folder = tempfile::tempdir().expect("a temporary folder");

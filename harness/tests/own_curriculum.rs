@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use envs::rng::{Purpose, stream};
 use envs::{EnvOptions, Goals, draw_pool};
-use reports::schema::{Record, Teaching};
+use reports::schema::{Manifest, Record, Teaching};
 use rustix::process::{Pid, Signal, kill_process};
 use serde::de::DeserializeOwned;
 
@@ -211,6 +211,82 @@ fn a_value_out_of_its_range_is_refused_by_name() {
     assert_eq!(refused.status.code(), Some(2));
     let message = String::from_utf8_lossy(&refused.stderr);
     assert!(message.contains("curriculum.nearest.share") && message.contains("(0, 1]"), "{message}");
+}
+
+/// Changes the manifest of the toy run with `seed` in `out` as if another version of `name` had written it.
+fn made_by(out: &Path, seed: u64, name: &str, version: &str) {
+    let path = out.join(format!("runs/Point/nearest/default/seed-{seed}/manifest.json"));
+    let text = std::fs::read_to_string(&path).expect("a manifest");
+    let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("a manifest");
+    assert!(manifest["versions"][name].is_string(), "{text}");
+    manifest["versions"][name] = version.into();
+    std::fs::write(&path, format!("{manifest:#}\n")).expect("it can be written");
+}
+
+#[test]
+fn its_manifest_names_program_executable_and_the_version_of_the_curriculum() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(toy(folder.path(), &[]).status.success());
+    let text = std::fs::read_to_string(run_folder(folder.path()).join("manifest.json")).expect("a manifest");
+    let manifest: Manifest = serde_json::from_str(&text).expect("a manifest");
+    assert_eq!(manifest.versions["program"], format!("own_curriculum {}", env!("CARGO_PKG_VERSION")));
+    assert_eq!(manifest.versions["curriculum"], "1");
+    let executable = std::fs::read(support::example("own_curriculum")).expect("the example program");
+    assert_eq!(manifest.versions["executable"], reports::store::digest::sha256(&executable));
+    assert_eq!(manifest.hash, reports::store::checksums::manifest_hash(&manifest.run, &manifest.config));
+}
+
+#[test]
+fn runs_of_another_version_of_the_curriculum_are_not_taken_for_its_own() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(toy(folder.path(), &[]).status.success());
+    made_by(folder.path(), 0, "curriculum", "0");
+    let refused = toy(folder.path(), &[]);
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("versions.curriculum: \"0\" there, \"1\" now"), "{said}");
+    // A program that was built again, or an older manifest that does not tell, is no other version.
+    made_by(folder.path(), 0, "curriculum", "1");
+    made_by(folder.path(), 0, "executable", "0123456789abcdef");
+    made_by(folder.path(), 0, "program", "own_curriculum 0.0.1");
+    assert!(toy(folder.path(), &[]).status.success(), "a finished run is kept");
+}
+
+#[test]
+fn what_another_program_began_does_not_go_on_and_another_build_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(toy(folder.path(), &[]).status.success());
+    // Unfinished again: what was recorded is there, and its end is not.
+    for name in ["outcome.json", "checksums.json"] {
+        std::fs::remove_file(run_folder(folder.path()).join(name)).expect("it was there");
+    }
+    made_by(folder.path(), 0, "program", "own_curriculum 0.0.1");
+    let refused = toy(folder.path(), &[]);
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("versions.program: \"own_curriculum 0.0.1\" there"), "{said}");
+
+    made_by(folder.path(), 0, "program", concat!("own_curriculum ", env!("CARGO_PKG_VERSION")));
+    made_by(folder.path(), 0, "executable", "0123456789abcdef");
+    let told = toy(folder.path(), &[]);
+    let said = String::from_utf8_lossy(&told.stderr);
+    assert!(said.contains("begun by another build of this version (SHA-256 0123456789ab"), "{said}");
+}
+
+#[test]
+fn a_report_names_runs_of_a_cell_that_other_versions_made() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_str().expect("a test path is UTF-8");
+    let args: Vec<&str> = toy_args(folder.path(), &[]).into_iter().chain(["--seeds", "0,1"]).collect();
+    assert!(run(&args).status.success());
+    assert!(run(&["report", out]).status.success());
+    made_by(folder.path(), 1, "curriculum", "2");
+    let named = run(&["report", out]);
+    let said = String::from_utf8_lossy(&named.stderr);
+    assert_eq!(named.status.code(), Some(1), "{said}");
+    let expected =
+        "seed-1/manifest.json: versions.curriculum is `2`, that of Point/nearest/default/seed-0 is `1`";
+    assert!(said.contains(expected), "{said}");
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn a_protocol_trains_on_its_suite_and_what_it_trained_is_drawn() {
     assert_eq!(manifest.config["pool"]["size"], 10, "overrides know it");
 
     let drawn = printed(&["render", &arm, "--episodes", "1", "--size", "64", "--out", &path("arm.gif")]);
-    assert!(drawn.contains("26 pictures of 1 episodes"), "{drawn}");
+    assert!(drawn.contains("26 pictures of 1 episode,"), "{drawn}");
     let gif = std::fs::read(path("arm.gif")).expect("it is written");
     assert!(gif.starts_with(b"GIF89a"));
 }

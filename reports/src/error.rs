@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::store::StoreError;
 use crate::store::problem::StoreProblem;
+use crate::wording::counted;
 
 /// Errors of this crate. What failed below is an error's source, not part of its text. What is wrong with
 /// single files of a results folder is a [`StoreProblem`] instead: it is reported beside the figures and
@@ -16,7 +17,7 @@ pub enum ReportError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// A results folder in which no evaluation can be used.
-    #[error("{path}: no evaluation to report: {runs} readable runs, {} problems", problems.len())]
+    #[error("{path}: no evaluation to report: {}, {}", counted(*runs, "readable run"), counted(problems.len(), "problem"))]
     NoRecords {
         /// The results folder.
         path: PathBuf,

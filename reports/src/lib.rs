@@ -22,6 +22,7 @@ pub mod schema;
 pub mod stats;
 pub mod store;
 pub mod synthetic;
+pub mod wording;
 
 pub use analysis::catalogue::Catalogue;
 pub use analysis::options::ReportOptions;

@@ -32,6 +32,7 @@ impl Method for HerIid {
     const TITLE: &'static str = "HER-IID";
     const LOOK: Option<Look> = Some(Look::new(BLACK, Dash::Dotted, Marker::Cross));
     const SOURCE: &'static str = "Andrychowicz et al., Hindsight Experience Replay, NeurIPS 2017";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = false;
 
     fn schema() -> Option<Schema> {

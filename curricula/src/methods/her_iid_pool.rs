@@ -36,6 +36,7 @@ impl Method for HerIidPool {
     const TITLE: &'static str = "HER-IID-pool";
     const LOOK: Option<Look> = Some(Look::new(GREY, Dash::Sparse, Marker::Wedge));
     const SOURCE: &'static str = "Control of this benchmark: HER-IID over a fixed pool of goals";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn schema() -> Option<Schema> {

@@ -183,6 +183,7 @@ impl Method for ProCurl {
     const LOOK: Option<Look> = Some(Look::new(GREEN, Dash::Short, Marker::Triangle));
     const SOURCE: &'static str =
         "Tzannetos et al., Proximal Curriculum for Reinforcement Learning Agents, TMLR 2023";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn schema() -> Option<Schema> {

@@ -255,6 +255,7 @@ impl Method for Space {
     const LOOK: Option<Look> = Some(Look::new(PURPLE, Dash::DashDot, Marker::Diamond));
     const SOURCE: &'static str =
         "Eimer et al., Self-Paced Context Evaluation for Contextual Reinforcement Learning, ICML 2021";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn schema() -> Option<Schema> {

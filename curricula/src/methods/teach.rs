@@ -244,6 +244,7 @@ impl Method for Teach {
     const TITLE: &'static str = "TEACH";
     const LOOK: Option<Look> = Some(Look::new(VERMILION, Dash::Solid, Marker::Circle));
     const SOURCE: &'static str = "Chaudhary and Behera, TEACH, arXiv 2512.22824";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn schema() -> Option<Schema> {

@@ -281,6 +281,7 @@ impl Method for Vds {
     const LOOK: Option<Look> = Some(Look::new(BLUE, Dash::Long, Marker::Square));
     const SOURCE: &'static str =
         "Zhang, Abbeel and Pinto, Automatic Curriculum Learning through Value Disagreement, NeurIPS 2020";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = false;
 
     fn schema() -> Option<Schema> {

@@ -93,6 +93,7 @@ impl Method for Forgetful {
     const ID: &'static str = "forgetful";
     const TITLE: &'static str = "Forgetful";
     const SOURCE: &'static str = "none";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn build(_config: ForgetfulConfig, setting: &Setting) -> Result<Self, CurriculumError> {

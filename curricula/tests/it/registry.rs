@@ -157,6 +157,7 @@ impl Method for Fixed {
     const ID: &'static str = "fixed";
     const TITLE: &'static str = "Fixed";
     const SOURCE: &'static str = "none";
+    const VERSION: &'static str = "1";
     const USES_POOL: bool = true;
 
     fn build(config: FixedConfig, _setting: &Setting) -> Result<Self, CurriculumError> {

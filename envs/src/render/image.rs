@@ -1,7 +1,5 @@
 //! A finished picture.
 
-use tiny_skia::{IntSize, Pixmap};
-
 use super::RenderError;
 
 /// An RGB picture, eight bits per channel, rows from top to bottom.
@@ -52,12 +50,19 @@ impl Image {
     /// The picture as a PNG file.
     ///
     /// # Errors
-    /// [`RenderError::Memory`], [`RenderError::Png`].
+    /// [`RenderError::Png`].
     pub fn to_png(&self) -> Result<Vec<u8>, RenderError> {
-        let opaque = self.pixels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], u8::MAX]).collect();
-        let size = IntSize::from_wh(self.width, self.height).ok_or(RenderError::Memory)?;
-        let pixmap = Pixmap::from_vec(opaque, size).ok_or(RenderError::Memory)?;
-        pixmap.encode_png().map_err(|error| RenderError::Png { source: error.into() })
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let encode = || {
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(&self.pixels)?;
+            writer.finish()
+        };
+        encode().map_err(|error: png::EncodingError| RenderError::Png { source: error.into() })?;
+        Ok(bytes)
     }
 }
 

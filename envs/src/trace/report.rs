@@ -1,9 +1,9 @@
 //! What a replay measured.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use crate::mujoco::Physics;
@@ -11,7 +11,8 @@ use crate::mujoco::Physics;
 /// The outcome of replaying one file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FileReport {
-    /// The file.
+    /// The file. Where it is written as JSON, what is no UTF-8 in its name is replaced by U+FFFD.
+    #[serde(serialize_with = "as_text")]
     pub file: PathBuf,
     /// Registry id of the environment.
     pub environment: &'static str,
@@ -35,6 +36,10 @@ pub struct FileReport {
     pub first_failure: Option<Divergence>,
     /// Entries of `meta` with no counterpart in the environment, such as versions of Python packages.
     pub not_compared: Vec<String>,
+}
+
+fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
 }
 
 impl FileReport {

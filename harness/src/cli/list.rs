@@ -76,8 +76,8 @@ fn as_json(registry: &Registry, what: What) -> Value {
             .iter()
             .map(|entry| {
                 json!({
-                    "id": entry.id, "title": entry.title, "source": entry.source, "uses_pool": entry.uses_pool,
-                    "defaults": (entry.defaults)(),
+                    "id": entry.id, "title": entry.title, "source": entry.source, "version": entry.version,
+                    "uses_pool": entry.uses_pool, "defaults": (entry.defaults)(),
                 })
             })
             .collect(),

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use reports::wording::counted;
+
 use super::{Exit, ExitCode, complain, print};
 use crate::error::HarnessError;
 use crate::merge::merge;
@@ -27,8 +29,8 @@ pub(super) fn run(args: &Args) -> Exit {
         error => error,
     })?;
     print(&format!(
-        "{} runs in {} ({} of them found more than once)\n",
-        merged.runs,
+        "{} in {} ({} of them found more than once)\n",
+        counted(merged.runs, "run"),
         args.out.display(),
         merged.shared
     ));

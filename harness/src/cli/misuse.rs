@@ -1,6 +1,6 @@
 //! Command lines that clap refuses, in words that help.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 
 use clap::error::{ContextKind, ContextValue, Error};
 use clap::{Command, Parser};
@@ -15,10 +15,12 @@ const PLAIN: [(&str, &str); 6] = [
     ("cannot parse float from empty string", "a number is accepted"),
 ];
 
-/// The command line as `P`. Ends the program where it is refused, or where help or version are asked for.
-pub(super) fn parse<P: Parser>() -> P {
-    let parsed = command::<P>().try_get_matches().and_then(|matches| P::from_arg_matches(&matches));
-    parsed.unwrap_or_else(|error| refuse::<P>(&error))
+/// The command line as `P`.
+///
+/// # Errors
+/// Clap's answer where it is refused, or where help or version are asked for.
+pub(super) fn parse<P: Parser>() -> Result<P, Error> {
+    command::<P>().try_get_matches().and_then(|matches| P::from_arg_matches(&matches))
 }
 
 /// The command of `P`, whose options take negative numbers: they are refused as values, not as options.
@@ -32,10 +34,8 @@ pub(super) fn command<P: Parser>() -> Command {
     with_negative_numbers(P::command())
 }
 
-fn refuse<P: Parser>(error: &Error) -> ! {
-    if !error.use_stderr() {
-        error.exit();
-    }
+/// What is wrong with the command line of `P`; in colours where standard error is a terminal.
+pub(super) fn text<P: Parser>(error: &Error) -> String {
     let rendered = error.render();
     let mut text =
         if std::io::stderr().is_terminal() { rendered.ansi().to_string() } else { rendered.to_string() };
@@ -49,8 +49,7 @@ fn refuse<P: Parser>(error: &Error) -> ! {
         // Clap's tip would make it a further argument.
         text = text.replace(&format!("-- {value}"), &format!("{option}={word}"));
     }
-    let _ = std::io::stderr().write_all(text.as_bytes());
-    std::process::exit(error.exit_code())
+    text
 }
 
 /// The option that stands before the word that begins with `value`, if it is one that wants a value; and the

@@ -39,9 +39,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
-use guard::text::shown;
 
 use crate::Registry;
+use crate::console::{self, complain, print};
 use crate::error::{HarnessError, chain};
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
@@ -118,7 +118,10 @@ enum Command {
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
-    let cli: Cli = misuse::parse();
+    let cli: Cli = match misuse::parse() {
+        Ok(cli) => cli,
+        Err(answer) => return console::verdict(without_a_command(&answer)).into(),
+    };
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -147,22 +150,23 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         complain_of(&error);
         ExitCode::WrongInput
     });
-    code.into()
+    console::verdict(code).into()
+}
+
+/// Shows the help or version that was asked for, or what is wrong with the command line.
+fn without_a_command(answer: &clap::Error) -> ExitCode {
+    if answer.use_stderr() {
+        // Nobody is left to be told if this fails.
+        let _ = std::io::stderr().write_all(misuse::text::<Cli>(answer).as_bytes());
+        return ExitCode::WrongInput;
+    }
+    console::printed(|| answer.print().and_then(|()| std::io::stdout().flush()));
+    ExitCode::Success
 }
 
 /// Writes an error and what caused it to standard error.
 fn complain_of(error: &HarnessError) {
     complain(&format!("goalbench: {}", chain(error)));
-}
-
-/// Writes to standard output, where control characters from files and names are shown and not obeyed. A reader that went away (`| head`) is no error.
-fn print(text: &str) {
-    let _ = std::io::stdout().write_all(shown(text).as_bytes());
-}
-
-/// Writes a line to standard error, as [`print`] does.
-fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", shown(text));
 }
 
 /// Warns of what changes nothing in a plan.

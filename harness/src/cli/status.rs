@@ -1,15 +1,14 @@
 //! `goalbench status`.
 
-use std::path::PathBuf;
-use std::time::Duration;
-
 use guard::text::in_line;
 use reports::store::problem::StoreProblem;
+use reports::wording::counted;
 use serde_json::json;
+use std::path::PathBuf;
 
 use super::{Exit, ExitCode, complain, print};
+use crate::pace::{self, human};
 use crate::status::{Activity, Overview, RunStatus, status};
-use crate::sweep::reporter::human;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -69,19 +68,16 @@ fn as_text(runs: &[RunStatus]) -> String {
     for run in runs {
         let state =
             ACTIVITIES.iter().find(|(activity, _)| *activity == run.activity).map_or("", |(_, name)| name);
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
-        };
-        let left = run.left_s.map_or("-".to_owned(), time);
+        let left = run.left_s.map_or("-".to_owned(), |left| human(pace::seconds(left)));
         text += &format!(
             "{:<52} {state:<9} {:>17} {:>8} {:>8} {left:>8}",
             in_line(&run.run.to_string()),
-            format!("{}/{}", run.step, run.steps),
-            number(run.success_rate, 2),
-            number(run.steps_per_s, 0),
+            pace::of_steps(run.step, run.steps),
+            run.success_rate.map_or("-".to_owned(), |rate| format!("{rate:.2}")),
+            run.steps_per_s.map_or("-".to_owned(), pace::rounded),
         );
         if run.crashes > 0 {
-            text += &format!("  {} crashes", run.crashes);
+            text += &format!("  {}", counted(run.crashes, "crash"));
         }
         if let Some(reason) = &run.reason {
             text += &format!("  {}", in_line(reason));
@@ -93,13 +89,13 @@ fn as_text(runs: &[RunStatus]) -> String {
         .map(|(activity, name)| (count(runs, *activity), name))
         .filter(|(count, _)| *count > 0);
     let counts: Vec<String> = counts.map(|(count, name)| format!("{count} {name}")).collect();
-    text += &format!("{} runs: {}", runs.len(), counts.join(", "));
+    text += &format!("{}: {}", counted(runs.len(), "run"), counts.join(", "));
     let running: Vec<&RunStatus> = runs.iter().filter(|run| run.activity == Activity::Running).collect();
     let left: f64 = runs.iter().filter_map(|run| run.left_s).sum();
     if !running.is_empty() && left > 0.0 {
         let speed: f64 = running.iter().filter_map(|run| run.steps_per_s).sum();
-        let left = time(left / running.len() as f64);
-        text += &format!("; {speed:.0} steps/s together, about {left} left for what has begun");
+        let left = human(pace::seconds(left / running.len() as f64));
+        text += &format!("; {} steps/s together, about {left} left for what has begun", pace::rounded(speed));
     }
     text + "\n"
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use envs::trace::{FileReport, TraceError, verify_dir};
+use reports::wording::counted;
 use serde_json::{Value, json};
 
 use super::{Exit, ExitCode, complain, print};
@@ -38,7 +39,12 @@ pub(super) fn verify(args: &Args) -> Exit {
                 }
             }
         }
-        print(&format!("{} of {} files agree\n", files.len() - failures, files.len()));
+        let agreeing = files.len() - failures;
+        print(&format!(
+            "{agreeing} of {} {}\n",
+            counted(files.len(), "file"),
+            if agreeing == 1 { "agrees" } else { "agree" }
+        ));
     }
     Ok(if failures == 0 { ExitCode::Success } else { ExitCode::Failed })
 }
@@ -50,7 +56,9 @@ fn as_json(files: &[Result<FileReport, TraceError>], passed: bool) -> Value {
             value["passed"] = report.passed().into();
             value
         }
-        Err(error) => json!({ "passed": false, "error": chain(error) }),
+        Err(error) => json!({
+            "file": error.file.display().to_string(), "passed": false, "error": chain(error),
+        }),
     });
     json!({ "passed": passed, "files": files.collect::<Vec<_>>() })
 }

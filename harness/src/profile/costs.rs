@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use reports::schema::RunKey;
+use reports::wording::{counted, counted_u64};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -175,8 +176,11 @@ impl RunProfile {
     pub fn as_text(&self) -> String {
         let Self { run, batch, layers, size, costs, memory, .. } = self;
         let mut text = format!(
-            "{run}: {} cycles, {} training steps, {} updates of batch {batch}, {layers} hidden layers\n\n",
-            size.cycles, size.steps, size.updates
+            "{run}: {}, {}, {} of batch {batch}, {}\n\n",
+            counted_u64(size.cycles, "cycle"),
+            counted_u64(size.steps, "training step"),
+            counted_u64(size.updates, "update"),
+            counted(*layers, "hidden layer")
         );
         let mut line = |name: &str, seconds: f64, about: &str| {
             let share = 100.0 * seconds / costs.total();

@@ -7,6 +7,7 @@ use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::config::{self, RunConfig};
 use crate::error::HarnessError;
+use crate::program;
 
 /// One run to be done.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,10 @@ pub struct PlannedRun {
     pub key: RunKey,
     /// Its complete config.
     pub config: RunConfig,
+    /// The program that plans it, as its manifest names it.
+    pub program: String,
+    /// Version of its curriculum.
+    pub curriculum_version: &'static str,
 }
 
 /// Runs in the order in which they are started: seed by seed, so that a partial sweep has all cells.
@@ -39,12 +44,15 @@ impl Plan {
             for curriculum in &protocol.curricula {
                 for (label, variant) in variants(protocol, environment, curriculum) {
                     let config = resolve(protocol, registry, environment, curriculum, variant)?;
-                    cells.push((environment, curriculum, label, config));
+                    let known = "names were checked when the protocol was read";
+                    let version = registry.curriculum(curriculum).expect(known).version;
+                    cells.push((environment, curriculum, label, config, version));
                 }
             }
         }
+        let program = &program::described(registry.program());
         let runs = protocol.seeds.iter().flat_map(|&seed| {
-            cells.iter().map(move |(environment, curriculum, label, config)| PlannedRun {
+            cells.iter().map(move |(environment, curriculum, label, config, version)| PlannedRun {
                 key: RunKey {
                     environment: (*environment).clone(),
                     curriculum: (*curriculum).clone(),
@@ -52,6 +60,8 @@ impl Plan {
                     seed,
                 },
                 config: config.clone(),
+                program: program.clone(),
+                curriculum_version: *version,
             })
         });
         let plan = Self { name: protocol.name.clone(), runs: runs.collect() };

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use reports::schema::{Manifest, SCHEMA};
+use reports::schema::{CURRICULUM, Manifest, PROGRAM, SCHEMA};
 use reports::store::checksums::manifest_hash;
 use serde_json::{Value, json};
 
 use crate::config::RunConfig;
 use crate::error::ManifestError;
+use crate::program::executable_digest;
 use crate::protocol::plan::PlannedRun;
 
 /// JSON pointer to the budget in a manifest's config.
@@ -21,9 +22,20 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
         hash: manifest_hash(&run.key, &config),
         run: run.key.clone(),
         config,
-        versions: versions(),
+        versions: versions_of(run),
         earlier_budgets: Vec::new(),
     }
+}
+
+/// All that is known of the programs behind a planned run.
+fn versions_of(run: &PlannedRun) -> BTreeMap<String, String> {
+    let mut versions = versions();
+    versions.insert(PROGRAM.to_owned(), run.program.clone());
+    versions.insert(CURRICULUM.to_owned(), run.curriculum_version.to_owned());
+    if let Some(digest) = executable_digest() {
+        versions.insert(EXECUTABLE.to_owned(), digest.to_owned());
+    }
+    versions
 }
 
 /// The smaller budget of `found`, in training steps, if it differs from `wanted` in nothing else.
@@ -63,15 +75,48 @@ pub fn config(manifest: &Manifest) -> Result<RunConfig, ManifestError> {
 /// a run from going on, since most commits change no result.
 pub const COMMIT: &str = "commit";
 
-/// How the program that wrote `manifest` differs from this one: a line for each differing version, commits
-/// left out. `None` if they are alike.
-pub fn other_program(manifest: &Manifest) -> Option<String> {
-    let compared = |mut versions: BTreeMap<String, String>| {
-        versions.remove(COMMIT);
+/// Likewise, of the SHA-256 of the program's file. A program built again may differ in it and in nothing
+/// else.
+pub const EXECUTABLE: &str = "executable";
+
+/// How the program and the curriculum of `found` differ from those of `wanted`: a line for each differing
+/// version, [`COMMIT`] and [`EXECUTABLE`] left out. `None` if they are alike.
+pub fn other_program(found: &Manifest, wanted: &Manifest) -> Option<String> {
+    // Older manifests name neither program nor curriculum.
+    let is_told = |name: &str| found.versions.contains_key(name) || ![PROGRAM, CURRICULUM].contains(&name);
+    let compared = |manifest: &Manifest| {
+        let mut versions = manifest.versions.clone();
+        versions.retain(|name, _| ![COMMIT, EXECUTABLE].contains(&name.as_str()) && is_told(name));
         json!({ "versions": versions })
     };
-    let (there, here) = (compared(manifest.versions.clone()), compared(versions()));
+    let (there, here) = (compared(found), compared(wanted));
     (there != here).then(|| differences(&there, &here))
+}
+
+/// How the curriculum of `found` differs from that of `wanted`, which has the same config; `None` if it does
+/// not, or is not told.
+pub fn other_curriculum(found: &Manifest, wanted: &Manifest) -> Option<String> {
+    let version = |manifest: &Manifest| manifest.versions.get(CURRICULUM).cloned();
+    let (there, here) = (version(found)?, version(wanted)?);
+    let versions = |version: String| json!({ "versions": { CURRICULUM: version } });
+    (there != here).then(|| differences(&versions(there), &versions(here)))
+}
+
+/// How the build that began the run of `found` differs from that of `wanted`, where versions do not tell:
+/// their commits or, at one commit, their files.
+pub fn other_build(found: &Manifest, wanted: &Manifest) -> Option<String> {
+    let both = |name: &str| [found, wanted].map(|manifest| manifest.versions.get(name).cloned());
+    let [there, here] = both(COMMIT);
+    if there != here {
+        let [there, here] = [there, here].map(|commit| commit.unwrap_or_else(|| "unknown".to_owned()));
+        return Some(format!("begun by a build of commit {there}, goes on with {here}"));
+    }
+    let [Some(there), Some(here)] = both(EXECUTABLE) else { return None };
+    let short = |digest: String| digest.chars().take(12).collect::<String>();
+    (there != here).then(|| {
+        let (there, here) = (short(there), short(here));
+        format!("begun by another build of this version (SHA-256 {there}...), goes on with {here}...")
+    })
 }
 
 /// Versions of this program and of the native libraries that it runs on, and its [`COMMIT`] if it was built

@@ -27,14 +27,14 @@ pub mod worker;
 
 use std::path::{Path, PathBuf};
 
-use reports::schema::{Manifest, Outcome};
+use reports::schema::Outcome;
 use reports::store::layout;
 
 use crate::error::HarnessError;
 use crate::protocol::plan::Plan;
 use crate::run::folder::{self, State};
 use crate::run::lock::Lock;
-use crate::run::manifest::{COMMIT, manifest};
+use crate::run::manifest::{manifest, other_build};
 use crate::tracking;
 
 pub use endings::Endings;
@@ -140,7 +140,7 @@ impl Sweep {
             }
             match &job.state {
                 State::Ended(Outcome::Failed { .. }) if preparation.retry_failed => {
-                    folder::reopen(&job.folder)?;
+                    folder::reopen(&job.folder, &job.manifest)?;
                     job.state = State::Begun;
                 }
                 State::Ended(_) if preparation.tensorboard => {
@@ -197,21 +197,16 @@ impl Prepared {
         &self.sweep.results
     }
 
-    /// Which unfinished runs were begun by a build of another commit, in a line each: they go on, to records
-    /// that may differ from those of either build.
+    /// Which unfinished runs were begun by another build of this program, in a line each: they go on, to
+    /// records that may differ from those of either build.
     ///
     /// # Errors
     /// [`HarnessError`] if a manifest cannot be read.
-    pub fn begun_by_other_commits(&self) -> Result<Vec<String>, HarnessError> {
-        let commit = |manifest: &Manifest| manifest.versions.get(COMMIT).cloned();
+    pub fn begun_by_other_builds(&self) -> Result<Vec<String>, HarnessError> {
         let mut lines = Vec::new();
         for job in self.jobs().iter().filter(|job| job.state == State::Begun) {
-            let (begun, now) = (commit(&folder::read_manifest(&job.folder)?.0), commit(&job.manifest));
-            if begun != now {
-                let [begun, now] = [begun, now].map(|commit| commit.unwrap_or_else(|| "unknown".to_owned()));
-                let run = job.run();
-                lines.push(format!("{run}: begun by a build of commit {begun}, goes on with {now}"));
-            }
+            let found = folder::read_manifest(&job.folder)?.0;
+            lines.extend(other_build(&found, &job.manifest).map(|how| format!("{}: {how}", job.run())));
         }
         Ok(lines)
     }

@@ -4,6 +4,7 @@ use super::{ACROSS, Artefact, Drawing, basis};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact = Artefact::figures("efficiency", ACROSS, draw);
 
@@ -15,7 +16,7 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     let (basis, keys) = (basis(analysis), analysis.groups.keys());
     Ok(vec![Drawing {
         name: "efficiency".to_owned(),
-        title: format!("Sample efficiency, {} environments", basis.environments),
+        title: format!("Sample efficiency, {}", counted(basis.environments, "environment")),
         environment: None,
         svg: figure::efficiency(&across.efficiency, &basis, keys)?,
     }])

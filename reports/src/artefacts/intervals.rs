@@ -4,6 +4,7 @@ use super::{ACROSS, Artefact, Drawing, basis};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact = Artefact::figures("aggregates", ACROSS, draw);
 
@@ -15,7 +16,10 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     let (basis, keys) = (basis(analysis), analysis.groups.keys());
     Ok(vec![Drawing {
         name: "aggregates".to_owned(),
-        title: format!("Interquartile mean and optimality gap, {} environments", basis.environments),
+        title: format!(
+            "Interquartile mean and optimality gap, {}",
+            counted(basis.environments, "environment")
+        ),
         environment: None,
         svg: figure::aggregates(&across.aggregates, &basis, keys)?,
     }])

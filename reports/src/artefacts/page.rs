@@ -6,6 +6,7 @@ use crate::analysis::whole::Analysis;
 use crate::render::page::{self, PageSection, Picture};
 use crate::render::table::{Sheet, Table};
 use crate::store::problem::StoreProblem;
+use crate::wording::counted;
 
 /// `index.html`.
 pub(super) fn html(
@@ -52,13 +53,13 @@ fn overview(analysis: &Analysis<'_>, missing: &[String], problems: &[StoreProble
     let runs = analysis.store.runs();
     let finished = runs.iter().filter(|run| run.is_finished()).count();
     let linked = |count: usize, what: &str, id: &str| {
-        let text = format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let text = counted(count, what);
         if count == 0 { text } else { format!("<a href=\"#{id}\">{text}</a>") }
     };
     format!(
-        "<p>{} evaluations of {} runs, {finished} of them finished; {} in the records, {} missing.</p>\n",
-        analysis.store.len(),
-        runs.len(),
+        "<p>{} of {}, {finished} of them finished; {} in the records, {} missing.</p>\n",
+        counted(analysis.store.len(), "evaluation"),
+        counted(runs.len(), "run"),
         linked(problems.len(), "problem", "problems"),
         linked(missing.len(), "thing", "missing"),
     )

@@ -16,6 +16,7 @@ use crate::render::table::{self, markdown_escape};
 use crate::store::Store;
 use crate::store::layout;
 use crate::store::problem::StoreProblem;
+use crate::wording::counted;
 
 /// What a report consists of.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,9 +96,9 @@ fn data(made: &Made) -> Result<Vec<File>, ReportError> {
 
 /// The report as Markdown: all tables, and what is missing or wrong.
 fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[StoreProblem]) -> String {
-    let (evaluations, runs) = (store.len(), store.runs().len());
+    let (evaluations, runs) = (counted(store.len(), "evaluation"), counted(store.runs().len(), "run"));
     let mut text = format!(
-        "# Results\n\n{evaluations} evaluations of {runs} runs.\n\n\
+        "# Results\n\n{evaluations} of {runs}.\n\n\
          ![Success rate over training](figures/grid.png)\n"
     );
     let mut last = super::RESULTS;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::ReportError;
 use crate::schema::RunKey;
 use crate::store::StoreError;
+use crate::wording::counted;
 
 /// Errors of the gate. What failed below is an error's source and not part of its text.
 #[derive(Debug, thiserror::Error)]
@@ -74,8 +75,10 @@ pub enum GateError {
     /// Seeds with which no test can fail: that gate would be no gate.
     #[error(
         "{now} now against {before} in the baseline: no fall can be significant, since the lowest p-value is 1 in \
-         {splits}, corrected for {tests} tests {:.2}, above alpha = {alpha}; take more seeds, or fewer cells",
-        *tests as f64 / splits
+         {splits}, corrected for {} {:.2}, above alpha = {alpha}; take more seeds, or fewer cells",
+        counted(*tests, "test"),
+        // As the correction has it: no p-value exceeds 1.
+        (*tests as f64 / splits).min(1.0)
     )]
     TooFewSeeds {
         /// Seeds of the check.
@@ -137,4 +140,21 @@ fn shortened(lines: &[String]) -> String {
         shown.push(format!("and {} more", lines.len() - SHOWN));
     }
     shown.join("\n  ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_p_value_exceeds_one_and_one_test_is_one() {
+        let told =
+            |tests| GateError::TooFewSeeds { now: 1, before: 2, tests, splits: 3.0, alpha: 0.05 }.to_string();
+        assert!(
+            told(22).contains("the lowest p-value is 1 in 3, corrected for 22 tests 1.00, above"),
+            "{}",
+            told(22)
+        );
+        assert!(told(1).contains("corrected for 1 test 0.33, above"), "{}", told(1));
+    }
 }

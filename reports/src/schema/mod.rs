@@ -152,6 +152,12 @@ pub struct Timing {
     pub learning_s: Option<f64>,
 }
 
+/// The name, among a manifest's versions, of the program that carries out the run: `NAME VERSION`. Runs of a
+/// cell come from one.
+pub const PROGRAM: &str = "program";
+/// Likewise, of the version of the run's curriculum.
+pub const CURRICULUM: &str = "curriculum";
+
 /// `manifest.json`: what a run is, written before its first record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -164,7 +170,7 @@ pub struct Manifest {
     pub config: Value,
     /// SHA-256 of schema, run and config, in hex.
     pub hash: String,
-    /// Versions of goalbench and its native libraries.
+    /// Versions of goalbench and its native libraries, of [`PROGRAM`] and [`CURRICULUM`].
     pub versions: std::collections::BTreeMap<String, String>,
     /// Training steps of the budgets that were used up before the run was trained on, in order; absent from
     /// the file of a run that never was.

@@ -13,6 +13,7 @@ mod error;
 pub mod layout;
 mod lines;
 mod load;
+mod makers;
 pub mod problem;
 mod results;
 mod run_folder;
@@ -93,6 +94,7 @@ impl Store {
         }
         runs.sort_by(|a, b| a.key().cmp(b.key()));
         problems.extend(leave_out_odd_ones(&mut runs));
+        problems.extend(makers::differing(&runs));
         problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
         Ok(Self { runs, problems })
     }

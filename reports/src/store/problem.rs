@@ -95,6 +95,20 @@ pub enum Fault {
     /// A run whose name cannot be shown: no figure can hold control characters.
     #[error("its name has control characters, run left out")]
     Unprintable,
+    /// A run of another version than the others of its cell.
+    #[error(
+        "versions.{name} is `{found}`, that of {other} is `{expected}`: a cell's runs should be made alike"
+    )]
+    Maker {
+        /// What differs: the program or the curriculum.
+        name: &'static str,
+        /// Its version here.
+        found: String,
+        /// The run that it is compared with.
+        other: RunKey,
+        /// Its version there.
+        expected: String,
+    },
     /// An evaluation of another run.
     #[error("evaluation of {found}, ignored; the manifest here says {expected}")]
     Foreign {

@@ -22,7 +22,7 @@ const WELD: [f64; 7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Physics {
-    /// Native CCD disabled: agrees with the MuJoCo versions of the paper's time.
+    /// Native CCD disabled, as it was by default when the paper was written.
     #[default]
     Paper,
     /// Native CCD on: what a plain install of the reference environments does.

@@ -3,7 +3,6 @@
 mod find;
 mod output;
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -12,11 +11,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use reports::schema::RunKey;
 use reports::store::cells::{CellMember, OddOne, odd_ones};
+use reports::wording::counted;
 use serde_json::Value;
 
 use super::flags::{JobsFlag, count_in};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
+use crate::console;
 use crate::error::{HarnessError, chain};
 use crate::run::evaluate::{LOCKSTEP, Tally, tally};
 use crate::run::policy::Policy;
@@ -167,15 +168,15 @@ fn measure(
     })
 }
 
-/// A bar on standard error, if that is a terminal.
+/// A bar on standard error, if that is a terminal that can show one.
 fn progress(runs: usize, episodes: u64) -> ProgressBar {
-    const TEMPLATE: &str = "{prefix} {bar:20} {pos}/{len} episodes, {eta} left";
-    if !std::io::stderr().is_terminal() {
+    const TEMPLATE: &str = "{prefix} {wide_bar} {pos}/{len} episodes, {eta} left";
+    if console::columns().is_none() {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template(TEMPLATE).expect("the template is a constant");
     let bar = ProgressBar::new(runs as u64 * episodes).with_style(style.progress_chars("=> "));
-    bar.set_prefix(format!("{runs} runs"));
+    bar.set_prefix(counted(runs, "run"));
     bar.enable_steady_tick(Duration::from_millis(500));
     bar
 }

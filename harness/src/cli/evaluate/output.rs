@@ -5,6 +5,7 @@ use reports::stats::{Ddof, mean, std_dev, wilson_interval};
 use serde::Serialize;
 
 use super::Measured;
+use crate::pace;
 
 /// Coverage of the intervals.
 const CONFIDENCE: f64 = 0.95;
@@ -83,7 +84,7 @@ fn table(measured: &[Measured]) -> String {
         text += &format!(
             "{:<52} {:>17} {:>8} {:>9} {:>8.4}  {low:.4}-{high:.4}   {:>11.3}\n",
             one.run.to_string(),
-            format!("{}/{}", one.step, one.steps),
+            pace::of_steps(one.step, one.steps),
             one.tally.episodes,
             one.tally.successes,
             score.success_rate,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use reports::gate::Baseline;
 use reports::gate::false_alarms::{self, Simulation};
+use reports::wording::{counted, counted_u64};
 
 use super::options::{SettingsArgs, name_options};
 use super::{Exit, print};
@@ -44,11 +45,11 @@ pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
     let simulation = Simulation { now: args.now, before: args.before, draws: args.draws, seed: args.seed };
     let alarms = false_alarms::simulate(&cells, simulation, settings).map_err(name_options)?;
     print(&format!(
-        "{} of {} checks of {} seeds against {} others failed: {:.2} % (95 % interval {:.2} % to {:.2} %); alpha {}, smallest \
+        "{} of {} of {} against {} others failed: {:.2} % (95 % interval {:.2} % to {:.2} %); alpha {}, smallest \
          effect {}\n",
         alarms.failed,
-        alarms.draws,
-        args.now,
+        counted_u64(alarms.draws, "check"),
+        counted(args.now, "seed"),
         args.before,
         alarms.rate() * 100.0,
         alarms.interval.0 * 100.0,

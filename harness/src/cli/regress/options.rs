@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use reports::gate::GateError;
 use reports::gate::compare::Settings;
+use reports::wording::counted;
 
 use crate::cli::complain;
 use crate::cli::flags::JobsFlag;
@@ -159,10 +160,10 @@ fn have_ended(endings: &Endings) -> Result<bool, HarnessError> {
 fn check_ended(sweep: &Sweep, results: &Path) -> Result<(), HarnessError> {
     let Some(first) = sweep.open().next() else { return Ok(()) };
     let reason = format!(
-        "has not ended in {} ({} of {} runs have not)",
+        "has not ended in {} ({} of {} not ended)",
         results.display(),
         sweep.open().count(),
-        sweep.jobs().len()
+        counted(sweep.jobs().len(), "run")
     );
     Err(HarnessError::Run { run: first.run().clone(), reason })
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use reports::gate::baseline::Gate;
 use reports::gate::compare::{Settings, check_seeds, samples};
 use reports::gate::{Baseline, cells};
+use reports::wording::counted;
 
 use super::options::{RunsArgs, SettingsArgs};
 use super::{Exit, print};
@@ -76,8 +77,9 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let baseline = Baseline::new(provenance, Gate { seeds: check, settings }, found.cells);
     write(&args.out, &baseline)?;
     print(&format!(
-        "{count} cells of {} seeds recorded in {}; next: goalbench regress check --baseline {1}\n",
-        baseline.seeds.len(),
+        "{} of {} recorded in {}; next: goalbench regress check --baseline {2}\n",
+        counted(count, "cell"),
+        counted(baseline.seeds.len(), "seed"),
         args.out.display()
     ));
     Ok(ExitCode::Success)

@@ -1,13 +1,14 @@
 //! `goalbench run --dry-run`: the plan as text, and what it would take.
 
 use std::path::Path;
-use std::time::Duration;
+
+use reports::wording::{counted, counted_u64};
 
 use crate::Registry;
 use crate::cli::{Exit, complain, print};
 use crate::estimate::Estimates;
+use crate::pace::{self, human};
 use crate::protocol::plan::{Plan, PlannedRun};
-use crate::sweep::reporter::human;
 use crate::sweep::{ExitCode, Job, Sweep};
 
 /// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take.
@@ -24,15 +25,15 @@ pub(super) fn dry_run(
     if open.is_empty() {
         return Ok(ExitCode::Success);
     }
-    let kinds = Estimates::kinds(&open);
-    complain(&format!("goalbench: measuring the speed of {kinds} kinds of run, three cycles each"));
+    let kinds = counted(Estimates::kinds(&open), "kind");
+    complain(&format!("goalbench: measuring the speed of {kinds} of run, three cycles each"));
     let estimates = Estimates::measure(registry, &open, parallel)?;
     let seconds: Vec<f64> = open.iter().filter_map(|run| estimates.seconds(run)).collect();
     let longest = seconds.iter().copied().fold(0.0, f64::max);
     let total: f64 = seconds.iter().sum();
     // No schedule is shorter than its longest run.
     let wall = (total / parallel as f64).max(longest);
-    let time = |seconds: f64| human(Duration::from_secs_f64(seconds));
+    let time = |seconds: f64| human(pace::seconds(seconds));
     print(&format!(
         "at this machine's speed, from their beginning: {:.1} core-hours ({}), {} with {parallel} side by side; longest \
          run {}\n",
@@ -63,11 +64,11 @@ fn describe(plan: &Plan, sweep: &Sweep, results: &Path) -> String {
     let steps = |jobs: &[&Job]| jobs.iter().map(|job| job.steps()).sum::<u64>();
     let (all, open): (Vec<&Job>, Vec<&Job>) = (sweep.jobs().iter().collect(), sweep.open().collect());
     text += &format!(
-        "{} runs, {} training steps; {} runs ({} steps) still to do\n",
-        all.len(),
-        steps(&all),
-        open.len(),
-        steps(&open)
+        "{}, {}; {} ({}) still to do\n",
+        counted(all.len(), "run"),
+        counted_u64(steps(&all), "training step"),
+        counted(open.len(), "run"),
+        counted_u64(steps(&open), "step")
     );
     text
 }

@@ -5,6 +5,8 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
+use reports::wording::counted;
+
 use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, count};
 use super::{Exit, complain, print, warn_of_idle};
 use crate::Registry;
@@ -169,7 +171,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     sweep.try_out(args.executor == Executor::Slurm)?;
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
-    for line in sweep.begun_by_other_commits()? {
+    for line in sweep.begun_by_other_builds()? {
         complain(&format!("goalbench: {line}"));
     }
     for line in sweep.lacking_times() {
@@ -240,9 +242,9 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit
         return Ok(summarise(&sweep.kept(), sweep.results(), false));
     };
     print(&format!(
-        "submitted job {} with {} tasks; next: goalbench status {}\n",
+        "submitted job {} with {}; next: goalbench status {}\n",
         submitted.job,
-        submitted.tasks,
+        counted(submitted.tasks, "task"),
         sweep.results().display()
     ));
     Ok(ExitCode::Success)

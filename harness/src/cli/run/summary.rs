@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use reports::schema::Outcome;
+use reports::wording::{counted, is_or_are};
 
 use crate::cli::{complain, print};
 use crate::sweep::{Ending, Endings, ExitCode};
@@ -22,7 +23,7 @@ pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCo
     let (place, total) = (results.display(), endings.total());
     let of_runs = |count: usize, what: &str| {
         if count > 0 {
-            complain(&format!("goalbench: {count} of {total} runs {what}"));
+            complain(&format!("goalbench: {count} of {} {what}", counted(total, "run")));
         }
     };
     of_runs(
@@ -35,11 +36,15 @@ pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCo
     of_runs(endings.stopped(), "stopped; the same command goes on with them");
     of_runs(
         endings.taken(),
-        &format!("are being carried out by another process; see goalbench status {place}"),
+        &format!(
+            "{} being carried out by another process; see goalbench status {place}",
+            is_or_are(endings.taken())
+        ),
     );
     let code = endings.exit_code();
     if code == ExitCode::Success && !json {
-        print(&format!("{total} runs finished; records in {place}; next: goalbench report {place}\n"));
+        let runs = counted(total, "run");
+        print(&format!("{runs} finished; records in {place}; next: goalbench report {place}\n"));
     }
     code
 }

@@ -37,9 +37,9 @@ pub enum State {
 /// A run that never began, because its sweep was stopped before, blocks no other config.
 ///
 /// # Errors
-/// [`HarnessError::OtherConfig`] if the folder holds a run with another config, or an unfinished one of
-/// another version of the program; [`HarnessError::Damaged`], [`HarnessError::Manifest`] or
-/// [`HarnessError::Store`] if its files are not what they were.
+/// [`HarnessError::OtherConfig`] if the folder holds a run with another config or another version of the
+/// curriculum, or an unfinished one of another program; [`HarnessError::Damaged`], [`HarnessError::Manifest`]
+/// or [`HarnessError::Store`] if its files are not what they were.
 pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> {
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
@@ -61,7 +61,7 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
         return Err(damaged(ManifestError::OtherRun { found, wanted }));
     }
     let shorter = manifest::smaller_budget(&found, wanted);
-    let is_other = found.config != wanted.config || manifest::other_program(&found).is_some();
+    let is_other = found.config != wanted.config || manifest::other_program(&found, wanted).is_some();
     if is_other && !has_begun(&run) && !is_locked(folder) {
         return Ok(State::New);
     }
@@ -70,9 +70,12 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
         return Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences });
     }
     manifest::config(&found).map_err(damaged)?;
+    if let Some(differences) = manifest::other_curriculum(&found, wanted) {
+        return Err(other(differences));
+    }
     let outcome = outcome(folder, &found)?;
     if outcome.is_none() || shorter.is_some() {
-        check_program(folder, &found)?;
+        check_program(folder, &found, wanted)?;
     }
     Ok(match (shorter, outcome) {
         (Some(steps), _) => State::Shorter(steps),
@@ -108,8 +111,8 @@ pub fn has_begun(run: &RunFolder) -> bool {
 }
 
 /// Refuses a run of another version of the program: going on would mix what two programs computed.
-fn check_program(folder: &Path, manifest: &Manifest) -> Result<(), HarnessError> {
-    manifest::other_program(manifest).map_or(Ok(()), |differences| {
+fn check_program(folder: &Path, found: &Manifest, wanted: &Manifest) -> Result<(), HarnessError> {
+    manifest::other_program(found, wanted).map_or(Ok(()), |differences| {
         Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences })
     })
 }
@@ -138,13 +141,14 @@ fn anew(error: StoreError) -> HarnessError {
     }
 }
 
-/// Turns a failed run back into an unfinished one, which goes on from its checkpoint if it has one.
+/// Turns a failed run, which `wanted` describes, back into an unfinished one: it goes on from its checkpoint
+/// if it has one.
 ///
 /// # Errors
 /// [`HarnessError::OtherConfig`] if another version of the program began it, [`HarnessError::Store`] if its
 /// files cannot be removed.
-pub fn reopen(folder: &Path) -> Result<(), HarnessError> {
-    check_program(folder, &read_manifest(folder)?.0)?;
+pub fn reopen(folder: &Path, wanted: &Manifest) -> Result<(), HarnessError> {
+    check_program(folder, &read_manifest(folder)?.0, wanted)?;
     Ok(RunFolder::new(folder).remove(Lives::UntilReopened)?)
 }
 

@@ -5,6 +5,7 @@ use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 
 use reports::store::RunFolder;
+use reports::wording::counted_u64;
 
 use super::complaints::{self, Listener};
 use super::conduct::Conduct;
@@ -81,8 +82,9 @@ impl Supervisor<'_> {
                     }
                     let left = self.conduct.retries - attempt;
                     self.reporter.note(&format!(
-                        "{}: {reason}; going on from its checkpoint ({left} attempts left)",
-                        job.run()
+                        "{}: {reason}; going on from its checkpoint ({} left)",
+                        job.run(),
+                        counted_u64(left.into(), "attempt")
                     ));
                     attempt += 1;
                 }

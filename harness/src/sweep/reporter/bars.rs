@@ -2,99 +2,116 @@
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::time::Duration;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use reports::schema::RunKey;
 
+use super::row::Row;
+use super::tally::{Progress, Tally};
 use super::{Reporter, ending_text};
+use crate::console;
+use crate::pace;
 use crate::sweep::event::Event;
 use crate::sweep::job::{Ending, Job};
 
-const RUN: &str = "{prefix:<44!} {bar:20} {pos:>7}/{len:7} {msg:13} {per_sec:>12} {eta:>4} left";
-const WHOLE: &str = "{prefix:<44!} {bar:20} {msg} {per_sec:>12} {eta:>4} left";
-
-/// Draws on standard error, a terminal.
+/// Draws on standard error, a terminal whose width is known.
 pub(super) struct Bars {
     screen: MultiProgress,
     whole: ProgressBar,
-    runs: usize,
+    name: String,
     state: Mutex<Inner>,
 }
 
 struct Inner {
-    ended: usize,
+    tally: Tally,
     bars: BTreeMap<RunKey, ProgressBar>,
 }
 
 impl Bars {
     pub(super) fn new(jobs: &[Job], parallel: usize) -> Self {
-        let open = jobs.iter().filter(|job| job.is_open());
         let screen = MultiProgress::new();
-        let whole = screen.add(ProgressBar::new(open.map(|job| job.steps()).sum()).with_style(style(WHOLE)));
-        whole.set_prefix(format!("all runs, {parallel} at a time"));
-        whole.enable_steady_tick(Duration::from_millis(500));
-        let state = Mutex::new(Inner { ended: 0, bars: BTreeMap::new() });
-        let bars = Self { screen, whole, runs: jobs.len(), state };
-        bars.show_count(0);
+        let whole = screen.add(line());
+        let state = Inner { tally: Tally::new(jobs), bars: BTreeMap::new() };
+        let bars =
+            Self { screen, whole, name: format!("all runs, {parallel} at a time"), state: Mutex::new(state) };
+        bars.show_whole(&Tally::new(jobs));
         bars
     }
 
-    fn show_count(&self, ended: usize) {
-        self.whole.set_message(format!("{ended}/{} runs", self.runs));
+    fn show_whole(&self, tally: &Tally) {
+        let row = Row {
+            name: &self.name,
+            share: tally.share(),
+            count: tally.of_runs(),
+            success: None,
+            steps_per_s: tally.steps_per_s(),
+            left: tally.left(),
+        };
+        show(&self.whole, &row);
     }
 }
 
-fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).expect("the template is a constant").progress_chars("=> ")
+/// A line of the screen that is written anew with every message.
+fn line() -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg}").expect("the template is a constant");
+    ProgressBar::new_spinner().with_style(style)
+}
+
+/// Shows `row` as wide as the terminal is now. Its last column stays free: some terminals wrap there.
+fn show(bar: &ProgressBar, row: &Row<'_>) {
+    bar.set_message(row.fit(console::columns().unwrap_or(console::FEWEST_COLUMNS) - 1));
+}
+
+fn of_run<'a>(job: &Job, name: &'a str, progress: Option<&Progress>) -> Row<'a> {
+    let step = progress.map_or(0, |progress| progress.step);
+    Row {
+        name,
+        share: (step as f64 / job.steps().max(1) as f64).min(1.0),
+        count: pace::of_steps(step, job.steps()),
+        success: progress.and_then(|progress| progress.success),
+        steps_per_s: progress.and_then(Progress::steps_per_s),
+        left: progress.and_then(|progress| progress.left(job.steps())),
+    }
 }
 
 impl Reporter for Bars {
     fn started(&self, job: &Job) {
-        let bar = ProgressBar::new(0).with_style(style(RUN)).with_prefix(job.run().to_string());
-        let bar = self.screen.insert_before(&self.whole, bar);
-        self.state.lock().expect("no holder of this lock panics").bars.insert(job.run().clone(), bar);
+        let mut state = self.state.lock().expect("no holder of this lock panics");
+        state.tally.started(job);
+        let bar = self.screen.insert_before(&self.whole, line());
+        show(&bar, &of_run(job, &job.run().to_string(), None));
+        state.bars.insert(job.run().clone(), bar);
     }
 
     fn event(&self, job: &Job, event: &Event) {
-        let state = self.state.lock().expect("no holder of this lock panics");
-        let Some(bar) = state.bars.get(job.run()) else { return };
-        if let Event::Evaluated { success_rate, .. } = event {
-            bar.set_message(format!("success {success_rate:.2}"));
-        }
-        if let Event::Step { step } | Event::Evaluated { step, .. } = event {
-            let step = (*step).min(job.steps());
-            if bar.length() == Some(0) {
-                // A worker's first message. Steps that its checkpoint brings along say nothing of this
-                // sweep's speed.
-                bar.set_length(job.steps());
-                bar.set_position(step);
-                bar.reset_eta();
-                self.whole.set_length(self.whole.length().unwrap_or(0).saturating_sub(step));
-                return;
-            }
-            self.whole.inc(step.saturating_sub(bar.position()));
-            bar.set_position(step);
-        }
+        let state = &mut *self.state.lock().expect("no holder of this lock panics");
+        let (Some(bar), Some(progress)) = (state.bars.get(job.run()), state.tally.heard(job, event)) else {
+            return;
+        };
+        show(bar, &of_run(job, &job.run().to_string(), Some(progress)));
+        self.show_whole(&state.tally);
     }
 
     fn ended(&self, job: &Job, ending: &Ending) {
-        let mut state = self.state.lock().expect("no holder of this lock panics");
-        state.ended += 1;
+        let state = &mut *self.state.lock().expect("no holder of this lock panics");
+        let last = state.tally.ended(job, ending);
         if let Some(bar) = state.bars.remove(job.run()) {
-            self.whole.inc(job.steps().saturating_sub(bar.position()));
-            let last = bar.message();
             bar.finish_and_clear();
-            self.note(&format!("{}  {}  {last}", job.run(), ending_text(ending)));
+            let success = last.and_then(|progress| progress.success);
+            let success = success.map_or(String::new(), |rate| format!("  success {rate:.2}"));
+            self.note(&format!("{}  {}{success}", job.run(), ending_text(ending)));
         }
-        self.show_count(state.ended);
-        if state.ended == self.runs {
-            self.whole.finish_and_clear();
-        }
+        self.show_whole(&state.tally);
     }
 
     fn note(&self, text: &str) {
         // A terminal that went away must not stop a sweep.
         let _ = self.screen.println(guard::text::shown(text));
+    }
+}
+
+impl Drop for Bars {
+    fn drop(&mut self) {
+        self.whole.finish_and_clear();
     }
 }

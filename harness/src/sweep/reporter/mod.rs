@@ -3,10 +3,12 @@
 mod bars;
 mod json;
 mod lines;
+mod row;
+mod tally;
 
-use std::io::IsTerminal;
-use std::time::Duration;
+use reports::wording::counted_u64;
 
+use crate::console;
 use crate::sweep::event::Event;
 use crate::sweep::job::{Ending, Job};
 
@@ -22,12 +24,11 @@ pub trait Reporter: Sync {
     fn note(&self, text: &str);
 }
 
-/// Bars if standard error is a terminal, lines if not.
+/// Bars if standard error is a terminal that can show them, lines if not.
 pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Reporter> {
-    if std::io::stderr().is_terminal() {
-        Box::new(bars::Bars::new(jobs, parallel))
-    } else {
-        lines(jobs, parallel)
+    match console::columns() {
+        Some(_) => Box::new(bars::Bars::new(jobs, parallel)),
+        None => lines(jobs, parallel),
     }
 }
 
@@ -41,44 +42,15 @@ pub fn json(out: impl Fn(&str) + Sync + 'static) -> Box<dyn Reporter> {
     Box::new(json::Json { out })
 }
 
-/// `1h 05m`, `3m 20s`, `7s`.
-pub(crate) fn human(duration: Duration) -> String {
-    let seconds = duration.as_secs();
-    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-        (0, 0, s) => format!("{s}s"),
-        (0, m, s) => format!("{m}m {s:02}s"),
-        (h, m, _) => format!("{h}h {m:02}m"),
-    }
-}
-
-/// What is left of `total` steps at the speed seen so far.
-fn time_left(done: u64, total: u64, elapsed: Duration) -> Option<Duration> {
-    let left = total.saturating_sub(done) as f64 / done as f64;
-    Duration::try_from_secs_f64(elapsed.as_secs_f64() * left).ok()
-}
 
 /// How a run ended, in words.
 fn ending_text(ending: &Ending) -> String {
     use reports::schema::Outcome;
     match ending {
-        Ending::Ended(Outcome::Finished { step }) => format!("finished after {step} steps"),
+        Ending::Ended(Outcome::Finished { step }) => format!("finished after {}", counted_u64(*step, "step")),
         Ending::Ended(Outcome::Failed { step, reason }) => format!("FAILED at step {step}: {reason}"),
         Ending::Stopped => "stopped; goes on another time".into(),
         Ending::Taken => "left to another process, which is carrying it out".into(),
         Ending::Crashed { reason } => format!("CRASHED: {reason}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn durations_read_naturally() {
-        assert_eq!(human(Duration::from_secs(7)), "7s");
-        assert_eq!(human(Duration::from_secs(200)), "3m 20s");
-        assert_eq!(human(Duration::from_secs(3900)), "1h 05m");
-        assert_eq!(time_left(250, 1000, Duration::from_secs(10)), Some(Duration::from_secs(30)));
-        assert_eq!(time_left(0, 1000, Duration::from_secs(10)), None);
     }
 }

@@ -10,6 +10,7 @@ use crate::analysis::scores;
 use crate::schema::Record;
 use crate::stats::{self, Resampling};
 use crate::store::Run;
+use crate::wording::{counted, is_or_are};
 
 /// A mean difference of success rates and what it rests on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,15 +126,19 @@ impl Effect {
             return Some("no pair of runs with the same seed".to_owned());
         }
         if self.is_small(options) {
-            let few = if self.pairs == 1 { "1 pair".to_owned() } else { format!("{} pairs", self.pairs) };
-            return Some(format!("too few seeds: {few} of runs, {} are needed", options.fewest_pairs));
+            let few = counted(self.pairs, "pair");
+            return Some(format!(
+                "too few seeds: {few} of runs, {} {} needed",
+                options.fewest_pairs,
+                is_or_are(options.fewest_pairs)
+            ));
         }
         self.interval.is_none().then(|| {
             let lowest = stats::lowest_sign_flip_p(self.pairs, resampling);
             let level = 1.0 - resampling.confidence;
             format!(
-                "too few seeds: p of {} pairs cannot fall below {lowest:.4}, {level:.4} is needed",
-                self.pairs
+                "too few seeds: p of {} cannot fall below {lowest:.4}, {level:.4} is needed",
+                counted(self.pairs, "pair")
             )
         })
     }
@@ -145,7 +150,7 @@ impl Effect {
             self.places.iter().filter(|place| place.differences.len() < options.fewest_pairs).collect();
         let mut text = String::new();
         if few.len() == self.places.len() && few.len() > 1 {
-            text += &format!("; fewer than {} pairs in each environment", options.fewest_pairs);
+            text += &format!("; fewer than {} in each environment", counted(options.fewest_pairs, "pair"));
         } else if !few.is_empty() {
             let named = |place: &&PlaceEffect| {
                 format!("{} ({}, {:+.2})", place.environment, place.differences.len(), place.difference)
@@ -160,8 +165,7 @@ impl Effect {
         }
         text + &match self.left_out {
             0 => String::new(),
-            1 => "; 1 run left out, not finished or with other evaluations".to_owned(),
-            k => format!("; {k} runs left out, not finished or with other evaluations"),
+            k => format!("; {} left out, not finished or with other evaluations", counted(k, "run")),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::analysis::complete::Pair;
 use crate::analysis::group::{self, Group};
 use crate::analysis::options::ReportOptions;
 use crate::stats::Resampling;
+use crate::wording::counted;
 
 /// What a claim about the values of a field says of them.
 pub(super) struct Values<'a> {
@@ -152,7 +153,7 @@ fn beside((value, effect): &Tested, options: &ReportOptions) -> String {
 
 fn standing(effect: &Effect) -> String {
     let (ahead, behind, all) = (effect.ahead(), effect.behind(), effect.places.len());
-    format!("ahead in {ahead} and behind in {behind} of {all} environments")
+    format!("ahead in {ahead} and behind in {behind} of {}", counted(all, "environment"))
 }
 
 /// What is said where a claim rests on another value than the one that it is about first.

@@ -7,6 +7,7 @@ use crate::analysis::catalogue::{Claim, Measure};
 use crate::analysis::complete::Pair;
 use crate::analysis::options::ReportOptions;
 use crate::stats::Resampling;
+use crate::wording::counted;
 
 /// Intervals wide enough that `count` of them hold together (Bonferroni's correction).
 pub(crate) fn corrected(resampling: Resampling, count: usize) -> Resampling {
@@ -110,8 +111,9 @@ fn standing(effect: &Effect, options: &ReportOptions, resampling: Resampling) ->
     let counts = || {
         let (ahead, behind, all) = (effect.ahead(), effect.behind(), effect.places.len());
         format!(
-            "ahead in {ahead} and behind in {behind} of {all} environments, {} pairs of runs",
-            effect.pairs
+            "ahead in {ahead} and behind in {behind} of {}, {} of runs",
+            counted(all, "environment"),
+            counted(effect.pairs, "pair")
         )
     };
     match effect.lack(options, resampling) {

@@ -17,6 +17,7 @@ use super::metric::Metric;
 use crate::analysis::catalogue::Catalogue;
 use crate::render::figure as draw;
 use crate::store::StoreError;
+use crate::wording::{counted, is_or_are};
 
 pub use figure::figure;
 pub use junit::junit;
@@ -62,24 +63,30 @@ impl Check<'_> {
         let c = self.result;
         let failed = c.failed().count();
         let runs = self.now.iter().map(|cell| cell.curves.len()).sum::<usize>();
+        let tests = || counted(c.tests.len(), "test");
         if !c.failures.is_empty() {
             return format!(
-                "FAILED: {} of {runs} runs broke down, {failed} of {} tests failed",
+                "FAILED: {} of {} broke down, {failed} of {} failed",
                 c.failures.len(),
-                c.tests.len()
+                counted(runs, "run"),
+                tests()
             );
         }
         if c.is_identical() {
-            return format!("passed: all {runs} runs are identical to the baseline's, byte for byte");
+            return format!(
+                "passed: all {} {} identical to the baseline's, byte for byte",
+                counted(runs, "run"),
+                is_or_are(runs)
+            );
         }
         let curves = format!("{} of {} runs that the baseline has too are identical", c.identical, c.shared);
         if failed > 0 {
-            return format!("FAILED: {failed} of {} tests failed; {curves}", c.tests.len());
+            return format!("FAILED: {failed} of {} failed; {curves}", tests());
         }
         if self.exact {
             return format!("FAILED: {curves}, and --exact asks for all of them");
         }
-        format!("passed: none of {} tests failed; {curves}", c.tests.len())
+        format!("passed: none of {} failed; {curves}", tests())
     }
 
     /// How was compared.

@@ -9,6 +9,7 @@ use super::ticks;
 use crate::analysis::efficiency::Efficiency;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
+use crate::wording::counted;
 
 /// A figure of the sample-efficiency curves of all methods, as SVG. `keys` are those of the whole report,
 /// which settle the looks.
@@ -41,7 +42,7 @@ pub fn efficiency<'a>(
     };
     Page {
         panels: vec![Content {
-            title: format!("Sample efficiency, {} environments", basis.environments),
+            title: format!("Sample efficiency, {}", counted(basis.environments, "environment")),
             x: XAxis {
                 name: "Share of the steps that all runs have taken",
                 end: 1.0,

@@ -9,6 +9,7 @@ use super::ticks;
 use crate::analysis::aggregate::Profile;
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
+use crate::wording::counted;
 
 /// A figure of the profiles of all methods, as SVG. `keys` are those of the whole report, which settle the
 /// looks.
@@ -40,7 +41,7 @@ pub fn profiles<'a>(
         XAxis { name: "Final success rate τ", end: 1.0, ticks: ticks::shares(), label: ticks::share_label };
     Page {
         panels: vec![Content {
-            title: format!("Performance profiles, {} environments", basis.environments),
+            title: format!("Performance profiles, {}", counted(basis.environments, "environment")),
             x,
             y_name: "Share of runs above τ",
             series: profiles.iter().map(series).collect(),

@@ -1,21 +1,22 @@
 //! `goalbench render`.
 
-use std::fs::{self, File};
-use std::io::BufWriter;
+mod pictures;
+
 use std::path::{Path, PathBuf};
 
 use agents::{Agent, Mode};
 use envs::GoalEnv;
-use envs::render::{Image, Renderer};
+use envs::render::Renderer;
 use envs::rng::{Purpose, Rng, stream};
+use reports::wording::counted_u64;
 
 use super::flags::count_in;
 use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
-use crate::files::new_file;
 use crate::outputs;
 use crate::run::policy::Policy;
+use pictures::{Album, Frames};
 
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("actor").required(true).args(["run", "env"])))]
@@ -25,10 +26,10 @@ pub(super) struct Args {
     /// Environment in which random actions are taken
     #[arg(long, value_name = "ID")]
     env: Option<String>,
-    /// Animated GIF to write
+    /// Animated GIF to write; a file of this name is replaced
     #[arg(long, value_name = "FILE.gif", required_unless_present = "frames")]
     out: Option<PathBuf>,
-    /// Folder to write every picture into, as PNG
+    /// New or empty folder to write every picture into, as PNG
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Episodes to draw
@@ -46,8 +47,6 @@ pub(super) struct Args {
 const FRAME_TIME: u16 = 4;
 /// How long the last picture of an episode stays.
 const LAST_FRAME_TIME: u16 = 60;
-/// Speed of the GIF's colour reduction, 1 (best) to 30.
-const GIF_SPEED: i32 = 10;
 
 /// Who chooses the actions.
 enum Actor {
@@ -67,26 +66,52 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
     if let Some(path) = &args.out {
         outputs::file("--out", path, &[])?;
     }
-    let mut renderer = Renderer::new(env.as_ref(), args.size, args.size)?;
-    let mut frames: Vec<(Image, u16)> = Vec::new();
+    let renderer = Renderer::new(env.as_ref(), args.size, args.size)?;
+    let pictures = args.episodes * (env.spec().horizon as u64 + 1);
+    let mut film = Film { renderer, albums: albums(args, pictures)?, pictures: 0 };
     let mut rng = stream(args.seed, Purpose::Environment);
     let mut successes = 0;
     for _ in 0..args.episodes {
-        successes += u64::from(episode(env.as_mut(), &mut actor, &mut rng, &mut renderer, &mut frames)?);
+        successes += u64::from(episode(env.as_mut(), &mut actor, &mut rng, &mut film)?);
     }
-    if let Some(folder) = &args.frames {
-        write_frames(folder, &frames)?;
-    }
+    film.albums.into_iter().try_for_each(Album::finish)?;
     if let Some(path) = &args.out {
-        write_gif(path, &frames)?;
         print(&format!("{}\n", path.display()));
     }
     print(&format!(
-        "{} pictures of {} episodes, {successes} of them successful\n",
-        frames.len(),
-        args.episodes
+        "{} of {}, {successes} of them successful\n",
+        counted_u64(film.pictures, "picture"),
+        counted_u64(args.episodes, "episode")
     ));
     Ok(ExitCode::Success)
+}
+
+/// What the flags ask for, each place checked and ready.
+fn albums(args: &Args, pictures: u64) -> Result<Vec<Box<dyn Album>>, HarnessError> {
+    let mut albums: Vec<Box<dyn Album>> = Vec::new();
+    if let Some(path) = &args.out {
+        albums.push(pictures::animation(path, args.size)?);
+    }
+    if let Some(folder) = &args.frames {
+        albums.push(Box::new(Frames::begin(folder, pictures)?));
+    }
+    Ok(albums)
+}
+
+/// Draws an environment into albums.
+struct Film {
+    renderer: Renderer,
+    albums: Vec<Box<dyn Album>>,
+    /// Drawn so far.
+    pictures: u64,
+}
+
+impl Film {
+    fn shoot(&mut self, env: &dyn GoalEnv, hundredths: u16) -> Result<(), HarnessError> {
+        let image = self.renderer.frame(env)?;
+        self.pictures += 1;
+        self.albums.iter_mut().try_for_each(|album| album.add(&image, hundredths))
+    }
 }
 
 /// Environment and student of a run.
@@ -113,15 +138,14 @@ fn episode(
     env: &mut dyn GoalEnv,
     actor: &mut Actor,
     rng: &mut Rng,
-    renderer: &mut Renderer,
-    frames: &mut Vec<(Image, u16)>,
+    film: &mut Film,
 ) -> Result<bool, HarnessError> {
-    let id = env.spec().id;
+    let (id, steps) = (env.spec().id, env.spec().horizon);
     let mut action = vec![0.0; env.spec().action];
     env.reset(rng).map_err(HarnessError::unusable(id, "begin an episode"))?;
-    renderer.begin_episode();
-    frames.push((renderer.frame(env)?, FRAME_TIME));
-    for _ in 0..env.spec().horizon {
+    film.renderer.begin_episode();
+    film.shoot(env, FRAME_TIME)?;
+    for step in 1..=steps {
         match actor {
             Actor::Student(agent) => agent
                 .act(env.observation(), env.goal(), Mode::Greedy, &mut action)
@@ -129,44 +153,7 @@ fn episode(
             Actor::Random(rng) => action.fill_with(|| envs::rng::uniform(rng, -1.0, 1.0)),
         }
         env.step(&action).map_err(HarnessError::unusable(id, "take a step"))?;
-        frames.push((renderer.frame(env)?, FRAME_TIME));
-    }
-    if let Some((_, time)) = frames.last_mut() {
-        *time = LAST_FRAME_TIME;
+        film.shoot(env, if step < steps { FRAME_TIME } else { LAST_FRAME_TIME })?;
     }
     Ok(env.success(&env.observation().achieved, env.goal()))
-}
-
-fn write_frames(folder: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessError> {
-    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
-    for (index, (image, _)) in frames.iter().enumerate() {
-        let path = folder.join(format!("frame-{index:04}.png"));
-        guard::fresh::write(&path, &image.to_png()?).map_err(HarnessError::io(&path, "write this file"))?;
-    }
-    Ok(())
-}
-
-/// Writes the GIF, whole or not at all.
-fn write_gif(path: &Path, frames: &[(Image, u16)]) -> Result<(), HarnessError> {
-    let folder = outputs::folder_of(path);
-    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
-    let unwritable = || HarnessError::io(path, "write this file");
-    let file = new_file(folder).map_err(unwritable())?;
-    encode_gif(file.as_file(), frames).map_err(|error| unwritable()(std::io::Error::other(error)))?;
-    guard::fresh::put(file, path).map_err(unwritable())?;
-    Ok(())
-}
-
-fn encode_gif(file: &File, frames: &[(Image, u16)]) -> Result<(), gif::EncodingError> {
-    let side = |length: u32| u16::try_from(length).expect("pictures have at most 4096 pixels a side");
-    let Some((first, _)) = frames.first() else { return Ok(()) };
-    let (width, height) = (side(first.width()), side(first.height()));
-    let mut encoder = gif::Encoder::new(BufWriter::new(file), width, height, &[])?;
-    encoder.set_repeat(gif::Repeat::Infinite)?;
-    for (image, time) in frames {
-        let mut frame = gif::Frame::from_rgb_speed(width, height, image.pixels(), GIF_SPEED);
-        frame.delay = *time;
-        encoder.write_frame(&frame)?;
-    }
-    Ok(())
 }
