@@ -35,6 +35,7 @@ mod verify;
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Parser, Subcommand};
 
@@ -105,6 +106,7 @@ enum Command {
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
     let cli = Cli::parse();
+    outlive_file_limits();
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -131,6 +133,13 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         ExitCode::WrongInput
     });
     code.into()
+}
+
+/// Makes a file that outgrows the system's limit (`ulimit -f`) an error of that write, like a full disk, where
+/// it would end the process.
+fn outlive_file_limits() {
+    // If the system refuses, all stays as it was.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
 /// Writes an error and what caused it to standard error.
