@@ -7,15 +7,13 @@ use std::{
     time::Duration,
 };
 
-use rustix::process::Pid;
-
 use super::{
     Limit, compare,
     moments::Moments,
     program::{Program, SEEDS, described},
     strike::{ROUNDS, Strike},
     tally::Tally,
-    victim::gone,
+    victim::is_left_alone,
 };
 use crate::error::{Result, doing};
 
@@ -31,19 +29,17 @@ pub(crate) struct Lap<'a> {
     program: &'a Program,
     home: PathBuf,
     limit: Limit,
-    /// Workers that outlive their sweep, until they have saved.
-    orphans: Vec<Pid>,
 }
 
 impl<'a> Lap<'a> {
     pub(crate) fn new(program: &'a Program, home: PathBuf, limit: Limit) -> Result<Self> {
         fs::create_dir(&home).map_err(doing("create", &home))?;
-        Ok(Self { program, home, limit, orphans: Vec::new() })
+        Ok(Self { program, home, limit })
     }
 
     /// The whole lap; returns what differs from the folder `expected`. If nothing does, its files are removed.
     pub(crate) fn carry_out(
-        mut self,
+        self,
         moments: &mut Moments,
         tally: &mut Tally,
         expected: &Path,
@@ -81,13 +77,7 @@ impl<'a> Lap<'a> {
 
     /// Begins the sweep of `seeds` in `folder` and strikes it until it ends; true if it ended by itself, all
     /// runs done.
-    fn round(
-        &mut self,
-        folder: &Path,
-        seeds: &str,
-        moments: &mut Moments,
-        tally: &mut Tally,
-    ) -> Result<bool> {
+    fn round(&self, folder: &Path, seeds: &str, moments: &mut Moments, tally: &mut Tally) -> Result<bool> {
         let command = self.program.sweep(folder, seeds);
         let what = described(&command);
         let mut victim = self.program.start(command)?;
@@ -100,14 +90,12 @@ impl<'a> Lap<'a> {
                     Err(self.program.complaint(&what, &status.to_string()))
                 };
             }
-            let workers = strike.carry_out(&victim, moments);
-            if strike != Strike::Worker && strike != Strike::Workers || !workers.is_empty() {
+            if strike.carry_out(&victim, moments) {
                 tally.count(strike);
             }
             if strike.is_survived() {
                 continue;
             }
-            self.orphans.extend(workers);
             match victim.end()? {
                 Some(status) if strike.explains(status) => {}
                 Some(status) => {
@@ -124,9 +112,8 @@ impl<'a> Lap<'a> {
     }
 
     /// Waits for workers that outlive their sweep.
-    fn settle(&mut self) -> Result<()> {
-        if gone(&self.orphans) {
-            self.orphans.clear();
+    fn settle(&self) -> Result<()> {
+        if is_left_alone(&self.home) {
             return Ok(());
         }
         Err(self.program.complaint("goalbench worker", "does not end without its parent"))
@@ -144,8 +131,8 @@ impl<'a> Lap<'a> {
             let mut victim = self.program.start(self.program.merge(machines, merged))?;
             thread::sleep(Duration::from_millis(moments.below(MERGE)));
             if victim.ended()?.is_none() {
-                Strike::Merge.carry_out(&victim, moments);
                 tally.count(Strike::Merge);
+                Strike::Merge.carry_out(&victim, moments);
             }
             victim.end()?;
             // It was done before the kill.

@@ -14,7 +14,7 @@ use crate::error::Result;
 
 /// The longest wait for a moment that the clock alone decides, in milliseconds: a program has begun by then,
 /// and has saved a few checkpoints.
-const LONGEST: u64 = 800;
+const LONGEST: u64 = 600;
 /// The longest wait for something to be saved.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// The longest wait after it was saved, in microseconds: while the next files are written.

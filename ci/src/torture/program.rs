@@ -21,7 +21,7 @@ const SWEEP: &[&str] = &[
     "--curriculum",
     "teach,vds",
     "--steps",
-    "3000",
+    "2000",
     "--tensorboard",
     "--set",
     "evaluation.every=100",

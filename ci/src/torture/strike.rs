@@ -3,7 +3,7 @@
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 
-use rustix::process::{Pid, Signal};
+use rustix::process::Signal;
 
 use super::{
     moments::Moments,
@@ -52,14 +52,13 @@ impl Strike {
         matches!(self, Self::Worker | Self::Workers)
     }
 
-    /// Strikes `victim`; returns its workers, which may outlive it for a while.
-    pub(crate) fn carry_out(self, victim: &Victim, moments: &mut Moments) -> Vec<Pid> {
-        let workers = victim.workers();
+    /// Strikes `victim`; false if there is nobody to strike.
+    pub(crate) fn carry_out(self, victim: &Victim, moments: &mut Moments) -> bool {
+        let mut workers = victim.workers();
         let (parent, all) = match self {
             Self::Worker => {
-                let worker = moments.one_of(&workers);
-                worker.into_iter().for_each(|worker| tell(worker, Signal::KILL));
-                return workers;
+                workers = Vec::from_iter(moments.one_of(&workers));
+                (None, Some(Signal::KILL))
             }
             Self::Workers => (None, Some(Signal::KILL)),
             Self::Parent | Self::Merge => (Some(Signal::KILL), None),
@@ -68,11 +67,13 @@ impl Strike {
             Self::Interrupt => (Some(Signal::INT), Some(Signal::INT)),
         };
         // The sweep first: alive, it would start workers in place of those killed.
-        parent.into_iter().for_each(|signal| victim.signal(signal));
+        if let Some(signal) = parent {
+            victim.signal(signal);
+        }
         if let Some(signal) = all {
             workers.iter().for_each(|worker| tell(*worker, signal));
         }
-        workers
+        parent.is_some() || !workers.is_empty()
     }
 
     /// Whether a sweep may end so after it.

@@ -25,7 +25,7 @@ impl Tally {
     pub(crate) fn line(&self, elapsed: Duration) -> String {
         let of = |strike| self.strikes.get(&strike).copied().unwrap_or_default();
         format!(
-            "{} kills ({} of sweeps, {} of workers, {} of both, {} of merges), {} stops by SIGTERM or SIGINT, laps done: {}, in {} s",
+            "kills: {} (sweeps {}, workers {}, both {}, merges {}), stops by signal: {}, laps: {}, seconds: {}",
             self.kills(),
             of(Strike::Parent),
             of(Strike::Worker) + of(Strike::Workers),
@@ -52,7 +52,7 @@ mod tests {
         let line = tally.line(Duration::from_millis(1999));
         assert_eq!(
             line,
-            "4 kills (1 of sweeps, 2 of workers, 0 of both, 1 of merges), 1 stops by SIGTERM or SIGINT, laps done: 0, in 1 s"
+            "kills: 4 (sweeps 1, workers 2, both 0, merges 1), stops by signal: 1, laps: 0, seconds: 1"
         );
     }
 }

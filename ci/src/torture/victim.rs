@@ -2,12 +2,13 @@
 
 use std::{
     fs,
+    path::Path,
     process::{Child, ExitStatus},
     thread,
     time::{Duration, Instant},
 };
 
-use rustix::process::{Pid, Signal, kill_process, test_kill_process};
+use rustix::process::{Pid, Signal, kill_process};
 
 use crate::error::{Error, Result};
 
@@ -46,12 +47,8 @@ impl Victim {
 
     /// Its worker processes.
     pub(crate) fn workers(&self) -> Vec<Pid> {
-        let Ok(processes) = fs::read_dir("/proc") else { return Vec::new() };
-        processes
-            .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<i32>().ok())
-            .filter(|process| parent(*process) == Some(self.child.id()))
-            .filter_map(Pid::from_raw)
-            .collect()
+        let own = processes().into_iter().filter(|process| parent(*process) == Some(self.child.id()));
+        own.filter_map(Pid::from_raw).collect()
     }
 
     /// Sends it `signal`.
@@ -79,16 +76,27 @@ pub(crate) fn tell(process: Pid, signal: Signal) {
     let _ = kill_process(process, signal);
 }
 
-/// Waits until none of `processes` is left; false if one stays.
-pub(crate) fn gone(processes: &[Pid]) -> bool {
+/// Waits until no process is left that was started to work in `folder`; false if one stays.
+pub(crate) fn is_left_alone(folder: &Path) -> bool {
+    let name = folder.as_os_str().as_encoded_bytes();
+    let works = |process: &i32| {
+        let words = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
+        words.windows(name.len()).any(|part| part == name)
+    };
     let begun = Instant::now();
-    while processes.iter().any(|process| test_kill_process(*process).is_ok()) {
+    while processes().iter().any(works) {
         if begun.elapsed() > PATIENCE {
             return false;
         }
         thread::sleep(Duration::from_millis(2));
     }
     true
+}
+
+/// All processes that can be seen.
+fn processes() -> Vec<i32> {
+    let entries = fs::read_dir("/proc").into_iter().flatten();
+    entries.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok()).collect()
 }
 
 /// The parent of a process. In `/proc/N/stat` it is the second field after the name, which stands in brackets
@@ -100,21 +108,23 @@ fn parent(process: i32) -> Option<u32> {
 
 #[cfg(test)]
 mod tests {
-    use std::process::Command;
+    use std::{process::Command, time::Duration, time::Instant};
 
-    use super::{Victim, gone, parent};
+    use super::{Victim, is_left_alone, parent};
 
     #[test]
-    fn children_are_found_and_end_with_their_victim() {
-        let shell = Command::new("sh").args(["-c", "sleep 60 & wait"]).spawn().unwrap();
-        let victim = Victim::new(shell);
-        let begun = std::time::Instant::now();
+    fn workers_are_found_and_end_with_their_victim() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut shell = Command::new("sh");
+        shell.args(["-c", "sh -c 'sleep 60; true' \"$0\" & wait"]).arg(folder.path());
+        let victim = Victim::new(shell.spawn().unwrap());
+        let begun = Instant::now();
         while victim.workers().is_empty() {
-            assert!(begun.elapsed() < std::time::Duration::from_secs(10));
+            assert!(begun.elapsed() < Duration::from_secs(10));
         }
-        let children = victim.workers();
-        assert_eq!(parent(std::process::id() as i32), Some(std::os::unix::process::parent_id()));
+        let own = i32::try_from(std::process::id()).unwrap();
+        assert_eq!(parent(own), Some(std::os::unix::process::parent_id()));
         drop(victim);
-        assert!(gone(&children));
+        assert!(is_left_alone(folder.path()));
     }
 }

@@ -35,7 +35,7 @@ fn assert_kept(plan: &Plan) {
 #[test]
 fn protocols() {
     let inputs = (select(PROTOCOLS.to_vec()), damages());
-    fuzz("protocols", 1500, &inputs, |(text, damages)| {
+    fuzz("protocols", 500, &inputs, |(text, damages)| {
         let bytes = damaged(text.as_bytes(), &damages);
         let text = String::from_utf8_lossy(&bytes);
         let registry = Registry::builtin();
