@@ -41,8 +41,8 @@ const RULES: [(&str, Rule); 7] = [
 
 /// Bytes of a checkpoint's header before its checksum, and with it.
 const HEADER: (usize, usize) = (8, 12);
-/// The most bytes at a checkpoint's end that tell of the clock: four durations, and length and checksum of the
-/// logs that hold times.
+/// The most bytes at a checkpoint's end that tell of the clock: four durations, and length and checksum of
+/// the logs that hold times.
 const CLOCK: usize = 96;
 
 fn rule(path: &Path) -> Rule {

@@ -37,7 +37,8 @@ impl<'a> Lap<'a> {
         Ok(Self { program, home, limit })
     }
 
-    /// The whole lap; returns what differs from the folder `expected`. If nothing does, its files are removed.
+    /// The whole lap; returns what differs from the folder `expected`. If nothing does, its files are
+    /// removed.
     pub(crate) fn carry_out(
         self,
         moments: &mut Moments,

@@ -40,8 +40,8 @@ impl Moments {
         items.choose(&mut self.random).copied()
     }
 
-    /// Waits until the next moment to strike `victim`, which works in `folder`: any, or, half of the time, one
-    /// just after something was saved there. Returns early if the victim ends.
+    /// Waits until the next moment to strike `victim`, which works in `folder`: any, or, half of the time,
+    /// one just after something was saved there. Returns early if the victim ends.
     pub(crate) fn wait(&mut self, victim: &mut Victim, folder: &Path) -> Result<()> {
         let at_random = self.random.random();
         let (longest, after) = if at_random {

@@ -87,7 +87,8 @@ impl Program {
         }
     }
 
-    /// What the trained students of the results in `folder` do in some episodes, as goalbench tells it, by run.
+    /// What the trained students of the results in `folder` do in some episodes, as goalbench tells it, by
+    /// run.
     pub(crate) fn behaviour(&self, folder: &Path) -> Result<Vec<serde_json::Value>> {
         let words: [&OsStr; 5] = [
             "evaluate".as_ref(),
