@@ -30,7 +30,7 @@ pub(crate) fn quickstart(project: &Path, extra: &[OsString]) -> Result<Code> {
     run.extend(extra.iter().map(OsString::as_os_str));
 
     step("quickstart", "building goalbench (the first time takes some minutes)");
-    let mut code = cargo(project, ["build", "--release", "--package", "goalbench"])?;
+    let mut code = build(project)?;
     for arguments in [run, vec![OsStr::new("report"), results.as_os_str()]] {
         if code != 0 {
             return Ok(code);
@@ -46,6 +46,11 @@ pub(crate) fn quickstart(project: &Path, extra: &[OsString]) -> Result<Code> {
         );
     }
     Ok(code)
+}
+
+/// Builds the program.
+pub(crate) fn build(project: &Path) -> Result<Code> {
+    cargo(project, ["build", "--release", "--package", "goalbench"])
 }
 
 /// Runs every test of the workspace, with `extra` arguments for `cargo test`.

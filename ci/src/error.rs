@@ -61,6 +61,8 @@ pub(crate) enum Error {
     Build { status: ExitStatus },
     #[error("the check neither passed nor failed ({status}): `goalbench regress check` says why")]
     Check { status: ExitStatus },
+    #[error("`{command}`: {ended}\n  {said}")]
+    Torture { command: String, ended: String, said: String },
     #[error("cannot start `{command}`")]
     Start { command: String, source: io::Error },
 }

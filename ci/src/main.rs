@@ -1,5 +1,5 @@
-//! Set-up, quickstart, selftest and planted faults of this workspace, behind the aliases `cargo setup`,
-//! `cargo quickstart`, `cargo selftest` and `cargo faults`.
+//! Set-up, quickstart, selftest, planted faults and torture of this workspace, behind the aliases
+//! `cargo setup`, `cargo quickstart`, `cargo selftest`, `cargo faults` and `cargo torture`.
 
 #![allow(clippy::print_stderr, reason = "telling the user about each step is what this program is for")]
 
@@ -14,6 +14,7 @@ mod pins;
 mod pip;
 mod setup;
 mod stamp;
+mod torture;
 mod unpack;
 
 use std::{
@@ -65,6 +66,15 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
+    /// Kill sweeps, workers and merges at random moments, begin them again, and check that the results equal
+    /// those of a sweep that was never killed, byte for byte.
+    ///
+    /// A kill takes two or three seconds. If anything differs, the exit code is 1, each difference is named and the
+    /// folders are kept.
+    Torture {
+        #[command(flatten)]
+        options: torture::Options,
+    },
     /// Set up if need be and run every test of the workspace.
     Selftest {
         /// Arguments for `cargo test`.
@@ -90,6 +100,10 @@ fn run(task: Task) -> Result<cargo::Code> {
         Task::Faults { only, baseline, arguments } => {
             setup::set_up(&native, Depth::Sizes)?;
             faults::faults(project, &project.join(baseline), &only, &arguments)
+        }
+        Task::Torture { options } => {
+            setup::set_up(&native, Depth::Sizes)?;
+            torture::torture(project, &options)
         }
         Task::Selftest { arguments } => {
             setup::set_up(&native, Depth::Sizes)?;

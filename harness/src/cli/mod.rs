@@ -37,6 +37,7 @@ mod verify;
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Parser, Subcommand};
 
@@ -122,6 +123,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Ok(cli) => cli,
         Err(answer) => return console::verdict(without_a_command(&answer)).into(),
     };
+    outlive_file_limits();
     let result = match cli.command {
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
@@ -162,6 +164,13 @@ fn without_a_command(answer: &clap::Error) -> ExitCode {
     }
     console::printed(|| answer.print().and_then(|()| std::io::stdout().flush()));
     ExitCode::Success
+}
+
+/// Makes a file that outgrows the system's limit (`ulimit -f`) an error of that write, like a full disk, where
+/// it would end the process.
+fn outlive_file_limits() {
+    // If the system refuses, all stays as it was.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
 /// Writes an error and what caused it to standard error.
