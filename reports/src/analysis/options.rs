@@ -20,6 +20,14 @@ pub struct ReportOptions {
     pub failures: Failures,
     /// Whether methods that train different students are judged against each other all the same.
     pub mixed_students: bool,
+    /// Environments that the report is about, by id; empty: all of the results.
+    pub environments: Vec<String>,
+    /// Curricula that the report is about, by id; empty: all of the results.
+    pub curricula: Vec<String>,
+    /// What stands above the report; `None`: the names of the protocols.
+    pub title: Option<String>,
+    /// Whether axes of rates span what there is to see, and not 0 to 1.
+    pub zoom: bool,
     /// What is known of methods, environments and the paper.
     pub catalogue: Catalogue,
 }
@@ -56,7 +64,8 @@ pub const FEWEST_PAIRS: usize = 5;
 
 impl Default for ReportOptions {
     /// The last 5 evaluations; [`Resampling::default`]; [`MARGIN`]; [`FEWEST_PAIRS`]; failures count 0;
-    /// different students are not judged; an empty catalogue.
+    /// different students are not judged; all runs;
+    /// axes from 0 to 1; an empty catalogue.
     fn default() -> Self {
         Self {
             window: 5,
@@ -65,6 +74,10 @@ impl Default for ReportOptions {
             fewest_pairs: FEWEST_PAIRS,
             failures: Failures::default(),
             mixed_students: false,
+            environments: Vec::new(),
+            curricula: Vec::new(),
+            title: None,
+            zoom: false,
             catalogue: Catalogue::default(),
         }
     }

@@ -13,6 +13,7 @@ pub mod layout;
 mod lines;
 mod load;
 pub mod problem;
+pub mod protocols;
 mod results;
 mod run_folder;
 mod teaching;
@@ -114,6 +115,11 @@ impl Store {
     /// Number of evaluations in all runs.
     pub fn len(&self) -> usize {
         self.runs.iter().map(|run| run.records.len()).sum()
+    }
+
+    /// Keeps the runs that `keep` accepts; what is wrong with the folder stays known.
+    pub fn retain(&mut self, keep: impl Fn(&RunKey) -> bool) {
+        self.runs.retain(|run| keep(run.key()));
     }
 
     /// Whether there is no evaluation at all.

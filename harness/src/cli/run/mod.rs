@@ -10,8 +10,8 @@ use super::{Exit, complain, print};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
-use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
+use crate::protocol::{Protocol, copy};
 use crate::sweep::slurm::Request;
 use crate::sweep::{Conduct, ExitCode, Preparation, Prepared, Sweep, reporter};
 use summary::summarise;
@@ -141,6 +141,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
+    copy::save(&protocol, &results)?;
     for line in sweep.begun_by_other_commits()? {
         complain(&format!("goalbench: {line}"));
     }

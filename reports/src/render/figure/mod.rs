@@ -19,7 +19,9 @@ mod palette;
 mod panel;
 mod profile;
 mod raster;
+mod rates;
 mod shapes;
+mod style;
 mod text;
 mod ticks;
 
@@ -29,6 +31,7 @@ pub use forest::{aggregates, improvements};
 pub use heat::heat;
 pub use learning::{LearningPanel, ablation, by_environment, learning};
 pub use outline::outlined;
-pub use palette::FALLBACK;
+pub use palette::{FALLBACK, Palette};
 pub use profile::profiles;
 pub use raster::png;
+pub use style::Style;
