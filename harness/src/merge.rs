@@ -8,6 +8,7 @@ use reports::schema::{Manifest, Outcome};
 use reports::store::{Results, RunFolder, layout};
 
 use crate::error::HarnessError;
+use crate::protocol::copy;
 use crate::run::folder;
 use crate::run::lock::is_locked;
 
@@ -69,7 +70,7 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     if !conflicts.is_empty() {
         return Err(HarnessError::Conflict { runs: conflicts.join("\n  ") });
     }
-    copy_all(&chosen, out)?;
+    copy_all(&chosen, sources, out)?;
     Ok(Merged { runs: chosen.len(), shared })
 }
 
@@ -110,7 +111,7 @@ fn is_further(a: &Candidate, b: &Candidate) -> bool {
 }
 
 /// Copies into a temporary neighbour of `out`, then renames it.
-fn copy_all(runs: &BTreeMap<String, Candidate>, out: &Path) -> Result<(), HarnessError> {
+fn copy_all(runs: &BTreeMap<String, Candidate>, sources: &[PathBuf], out: &Path) -> Result<(), HarnessError> {
     let parent = match out.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -123,6 +124,9 @@ fn copy_all(runs: &BTreeMap<String, Candidate>, out: &Path) -> Result<(), Harnes
         .map_err(HarnessError::io(parent, "write in this folder"))?;
     for found in runs.values() {
         found.folder.copy_to(&layout::run_dir(fresh.path(), &found.manifest.run))?;
+    }
+    for source in sources {
+        copy::bring(source, fresh.path())?;
     }
     fs::rename(fresh.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
     // Renamed away: there is nothing left for the guard to remove.

@@ -22,10 +22,31 @@ const LONGEST_NAME: usize = 100;
 /// # Errors
 /// [`HarnessError::Io`] if it cannot be written.
 pub fn save(protocol: &Protocol, results: &Path) -> Result<(), HarnessError> {
-    let folder = layout::protocols_dir(results);
-    fs::create_dir_all(&folder).map_err(HarnessError::io(&folder, "create this folder"))?;
-    let text = document(protocol);
-    let name = file_name(&protocol.name);
+    place(&layout::protocols_dir(results), &file_name(&protocol.name), &document(protocol))
+}
+
+/// Brings the copies of the results folder `source` along to the results folder `out`.
+///
+/// # Errors
+/// [`HarnessError::Io`] if one cannot be read or written.
+pub fn bring(source: &Path, out: &Path) -> Result<(), HarnessError> {
+    let folder = layout::protocols_dir(source);
+    let mut paths: Vec<_> = fs::read_dir(&folder).into_iter().flatten().flatten().collect();
+    paths.sort_by_key(fs::DirEntry::file_name);
+    for path in paths.iter().map(fs::DirEntry::path) {
+        let name = path.file_stem().and_then(|name| name.to_str());
+        let is_copy = path.extension().is_some_and(|extension| extension == "toml") && path.is_file();
+        if let Some(name) = name.filter(|_| is_copy) {
+            let text = fs::read_to_string(&path).map_err(HarnessError::io(&path, "read this file"))?;
+            place(&layout::protocols_dir(out), name, &text)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes `text` into `folder` under this name, or one with a number, unless it lies there already.
+fn place(folder: &Path, name: &str, text: &str) -> Result<(), HarnessError> {
+    fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
     for number in 1.. {
         let number = if number == 1 { String::new() } else { format!("-{number}") };
         let path = folder.join(format!("{name}{number}.toml"));
@@ -38,7 +59,7 @@ pub fn save(protocol: &Protocol, results: &Path) -> Result<(), HarnessError> {
             }
             Ok(_) => {}
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                return write(&path, &text).map_err(HarnessError::io(&path, "write this file"));
+                return write(&path, text).map_err(HarnessError::io(&path, "write this file"));
             }
             Err(error) => return Err(HarnessError::io(&path, "read this file")(error)),
         }
@@ -163,6 +184,16 @@ mod tests {
         protocol.seeds = vec![7];
         save(&protocol, results.path()).expect("written");
         assert_eq!(copies(results.path()), ["smoke-2.toml", "smoke.toml"]);
+        // Another machine had one of these, and one of its own.
+        let (other, merged) =
+            (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+        save(&protocol, other.path()).expect("written");
+        protocol.seeds = vec![9];
+        save(&protocol, other.path()).expect("written");
+        for source in [&results, &other] {
+            bring(source.path(), merged.path()).expect("copied");
+        }
+        assert_eq!(copies(merged.path()), ["smoke-2-2.toml", "smoke-2.toml", "smoke.toml"]);
         protocol.name = "Prüfung 1/2".into();
         save(&protocol, results.path()).expect("written");
         assert!(copies(results.path()).contains(&"Prüfung-1-2.toml".to_owned()));

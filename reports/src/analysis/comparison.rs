@@ -222,3 +222,16 @@ fn spread(a: &[f64], b: &[f64]) -> Option<f64> {
     let variance = |scores: &[f64]| Some(stats::std_dev(scores, Ddof::Sample)?.powi(2));
     Some(f64::midpoint(variance(a)?, variance(b)?).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p_of_sides_without_spread_is_that_of_the_permutation_test() {
+        for (n, m) in [(2, 2), (7, 7), (3, 7), (7, 3), (2, 5)] {
+            let exact = stats::permutation(&vec![1.0; n], &vec![0.0; m]).unwrap().either;
+            assert!((separated_p(n, m) - exact).abs() < 1e-12, "{n} and {m}: {exact}");
+        }
+    }
+}
