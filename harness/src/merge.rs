@@ -10,6 +10,7 @@ use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
+use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::{Lock, is_locked};
 
@@ -82,7 +83,7 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     merged.damaged = found.values().flat_map(|copies| copies.damaged.clone()).collect();
     let chosen = choose(found)?;
     merged.runs = chosen.len();
-    copy_all(&chosen, out)?;
+    copy_all(&chosen, sources, out)?;
     Ok(merged)
 }
 
@@ -168,7 +169,7 @@ const PREFIX: &str = ".goalbench-merge-";
 const RANDOM: usize = 12;
 
 /// Copies into a temporary neighbour of `out`, checks what was copied, then renames it.
-fn copy_all(runs: &[Candidate], out: &Path) -> Result<(), HarnessError> {
+fn copy_all(runs: &[Candidate], sources: &[PathBuf], out: &Path) -> Result<(), HarnessError> {
     let parent = match out.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -188,6 +189,9 @@ fn copy_all(runs: &[Candidate], out: &Path) -> Result<(), HarnessError> {
         one.folder.copy_to(&to)?;
         // Somebody may have gone on with the run, or changed it, since it was checked.
         folder::check(&to).map_err(HarnessError::unusable(one.folder.path().display(), "copy this run"))?;
+    }
+    for source in sources {
+        copy::bring(source, fresh.path())?;
     }
     fs::rename(fresh.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
     // Renamed away: there is nothing left for the guard to remove.

@@ -51,6 +51,7 @@ fn unusable_options_say_what_is_accepted() {
         ("--margin", "2", "a number above 0 and below 1 is accepted"),
         ("--fewest-pairs", "0", "1.."),
         ("--failures", "never", "zero, apart"),
+        ("--title", " ", "a line of text is accepted"),
     ] {
         refused(&["report", "anywhere", option, value], &[option, value, accepted]);
     }

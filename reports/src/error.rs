@@ -36,6 +36,16 @@ pub enum ReportError {
         /// What is accepted.
         accepted: &'static str,
     },
+    /// A part of the results that is not there.
+    #[error("option {option}: no run of the results has {value}; accepted: {there}")]
+    NotInResults {
+        /// Name of the field of [`Options`](crate::ReportOptions).
+        option: &'static str,
+        /// The name that was asked for.
+        value: String,
+        /// The names that runs have.
+        there: String,
+    },
     /// A folder or file that cannot be read or written.
     #[error("{path}: cannot {action}")]
     Io {

@@ -38,6 +38,24 @@ pub(super) struct Args {
     /// Draw the student's losses, values and gradients, and the numbers that teachers record
     #[arg(long)]
     diagnostics: bool,
+    /// Only these environments of the results, by id, separated by commas
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    environments: Vec<String>,
+    /// Only these curricula of the results, by id, separated by commas
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    curricula: Vec<String>,
+    /// What stands above the report [default: the names of the protocols]
+    #[arg(long, value_name = "TEXT", value_parser = title)]
+    title: Option<String>,
+    /// Let axes of rates span what there is to see, and not 0 to 1; they say so
+    #[arg(long)]
+    zoom: bool,
+}
+
+/// A title that can be read.
+fn title(text: &str) -> Result<String, &'static str> {
+    let is_readable = !text.trim().is_empty() && !text.chars().any(char::is_control);
+    is_readable.then(|| text.trim().to_owned()).ok_or("a line of text is accepted")
 }
 
 /// Numbers above `least` and below 1.
@@ -60,6 +78,10 @@ impl Args {
             failures: failures.unwrap_or_default(),
             mixed_students: self.mixed_students,
             diagnostics: self.diagnostics,
+            environments: self.environments.clone(),
+            curricula: self.curricula.clone(),
+            title: self.title.clone(),
+            zoom: self.zoom,
             catalogue: paper::catalogue(registry),
         }
     }

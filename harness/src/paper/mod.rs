@@ -10,7 +10,9 @@ mod deviations;
 use curricula::methods::teach::{self, Teach};
 use curricula::{Entry, Method as _};
 use reports::Catalogue;
-use reports::analysis::catalogue::{Axis, EnvironmentInfo, MazeInfo, MethodInfo, Paper, ReadingChoice};
+use reports::analysis::catalogue::{
+    Axis, EnvironmentInfo, MazeInfo, MethodInfo, Paper, PaperProtocol, ReadingChoice,
+};
 
 use crate::Registry;
 
@@ -41,6 +43,16 @@ pub const TASKS: [&[&str]; 11] = [
 
 /// Where it shows its main comparison.
 const FIGURES: &str = "Figures 2 and 6";
+
+/// Protocols that do what it did, or part of it: whether they compare its methods in its environments, and
+/// which fields they vary ([`teach::AXES`]).
+const PROTOCOLS: [(&str, bool, &[&str]); 5] = [
+    ("paper", true, &[]),
+    ("reduced", true, &["confidence", "window", "interplay"]),
+    ("ablation-polyak", false, &["confidence"]),
+    ("ablation-window", false, &["window"]),
+    ("ablation-interplay", false, &["interplay"]),
+];
 
 /// Where it can be read in more than one way, in the order in which choices are named.
 const CHOICES: [ReadingChoice; 4] = [
@@ -93,6 +105,11 @@ fn maze(entry: &envs::Environment) -> Option<MazeInfo> {
 pub fn paper() -> Paper {
     let owned = |ids: &[&str]| ids.iter().map(|&id| id.to_owned()).collect();
     let settings = format!("/curriculum/{METHOD}");
+    let protocol = |(name, comparison, axes): &(&str, bool, &[&str])| PaperProtocol {
+        name: (*name).to_owned(),
+        comparison: *comparison,
+        axes: owned(axes),
+    };
     let axis = |axis: &teach::AblationAxis| Axis {
         id: axis.id.to_owned(),
         source: format!("Figure {}", axis.figure),
@@ -106,6 +123,7 @@ pub fn paper() -> Paper {
         baselines: owned(&BASELINES),
         control: Some(CONTROL.to_owned()),
         tasks: TASKS.iter().map(|ids| owned(ids)).collect(),
+        protocols: PROTOCOLS.iter().map(protocol).collect(),
         figures: FIGURES.to_owned(),
         axes: teach::AXES.iter().map(axis).collect(),
         claims: claims::CLAIMS.to_vec(),
@@ -123,6 +141,7 @@ mod tests {
 
     use super::*;
     use crate::config;
+    use crate::protocol::presets;
 
     #[test]
     fn a_free_look_is_nobodys() {
@@ -181,6 +200,10 @@ mod tests {
             if let ClaimKind::Values { axis, .. } = claim.kind {
                 assert!(paper.axis(axis).is_some(), "{axis}");
             }
+        }
+        for protocol in &paper.protocols {
+            assert!(presets::find(&protocol.name).is_ok(), "{}", protocol.name);
+            assert!(protocol.axes.iter().all(|id| paper.axis(id).is_some()), "{}", protocol.name);
         }
         for row in &paper.deviations {
             assert!([row.topic, row.paper, row.here].iter().all(|text| !text.is_empty()), "{row:?}");

@@ -2,6 +2,7 @@
 //!
 //! It is read from TOML, a file or a preset, then changed by the command line, and becomes a [`plan::Plan`].
 
+pub mod copy;
 mod header;
 mod idle;
 mod name;
@@ -29,6 +30,8 @@ pub struct Protocol {
     pub name: String,
     /// What it is for, one line.
     pub description: String,
+    /// The document as it was written; `None` where there is none.
+    pub text: Option<String>,
     /// Environment ids, suites expanded.
     pub environments: Vec<String>,
     /// Curriculum ids.
@@ -97,6 +100,7 @@ impl Protocol {
         let mut protocol = Self {
             name: header.name,
             description: header.description,
+            text: Some(text.to_owned()),
             environments: registry.expand_environments(&header.environments, &at("environments"))?,
             curricula: registry.expand_curricula(&header.curricula, &at("curricula"))?,
             seeds: match header.seeds {
@@ -129,6 +133,7 @@ impl Protocol {
         Self {
             name: String::new(),
             description: String::new(),
+            text: None,
             environments: Vec::new(),
             curricula: Vec::new(),
             seeds: vec![0],

@@ -52,6 +52,8 @@ pub struct Comparison<'a> {
     pub n: (usize, usize),
     /// Runs of both that are not comparable: not finished, or not evaluated at the steps of the others.
     pub left_out: usize,
+    /// Runs of both that failed, and count 0 from their failure on.
+    pub failed: usize,
     /// Seeds that both have: runs of one seed share initial weights, goals and evaluation episodes.
     pub pairs: usize,
     /// Mean difference over those pairs; `None` without any.
@@ -68,7 +70,8 @@ pub struct Comparison<'a> {
     pub probability_of_improvement: Option<f64>,
     /// Welch's test of equal means; `None` where neither side varies.
     pub welch: Option<Welch>,
-    /// Its p-value by Holm's correction for its family; 1 where all scores of both sides are equal.
+    /// Its p-value by Holm's correction for its family; 1 where all scores of both sides are equal. Where
+    /// neither side varies and they differ, that of the exact permutation test of all runs in its place.
     pub p_holm: Option<f64>,
     /// Cohen's d.
     pub effect_size: Option<f64>,
@@ -77,21 +80,24 @@ pub struct Comparison<'a> {
     /// The smallest true difference of success rates that Welch's test finds at `level` with a power of
     /// [`TARGET_POWER`], given the seeds at hand (the fewer of both sides) and their spread.
     pub detectable: Option<f64>,
+    /// p-value where neither side varies and they differ, so that Welch's test has none: the most extreme
+    /// difference that there can be, by the exact permutation test of all runs.
+    pub without_spread: Option<f64>,
     /// What the tests cannot say, and why.
     pub note: Option<&'static str>,
 }
 
 impl Comparison<'_> {
-    /// Welch's p-value. Scores that are all equal differ in nothing, so that it is 1.
+    /// The p-value that Holm's method corrects. Scores that are all equal differ in nothing, so that it is 1.
     fn p(&self) -> Option<f64> {
-        self.welch.map(|test| test.p).or((self.note == Some(TIED)).then_some(1.0))
+        self.welch.map(|test| test.p).or((self.note == Some(TIED)).then_some(1.0)).or(self.without_spread)
     }
 }
 
 /// Note where all scores are equal.
 const TIED: &str = "all scores of both sides are equal";
 /// Note where Welch's test has no answer.
-const NO_SPREAD: &str = "neither side varies, so Welch's test has no p: see the sign-flip test";
+const NO_SPREAD: &str = "neither side varies, so p is that of the exact permutation test, not of Welch's";
 /// Note on sides of fewer than two runs.
 const TOO_FEW: &str = "fewer than two runs on a side";
 
@@ -185,6 +191,7 @@ fn compare<'a>(
         reference,
         n: (here.len(), there.len()),
         left_out: pair.left_out,
+        failed: pair.failed,
         pairs: pairs.len(),
         difference: stats::mean(&differences),
         difference_ci: stats::paired_interval(&pairs, options.resampling),
@@ -197,12 +204,34 @@ fn compare<'a>(
         effect_size: stats::effect_size(&here, &there),
         level: ALPHA,
         detectable: spread(&here, &there),
+        without_spread: (note == Some(NO_SPREAD)).then(|| separated_p(here.len(), there.len())),
         note,
     }
+}
+
+/// p of the exact permutation test where all scores of one side are equal, and all of the other are equal to
+/// something else: of all ways to tell `n + m` runs apart only the one found is as extreme, and for sides of
+/// one size the opposite one.
+fn separated_p(n: usize, m: usize) -> f64 {
+    let extreme = if n == m { 2.0 } else { 1.0 };
+    extreme / stats::permutations(n.min(m), n.max(m))
 }
 
 /// The root mean square of both standard deviations; `None` where a side has fewer than two scores.
 fn spread(a: &[f64], b: &[f64]) -> Option<f64> {
     let variance = |scores: &[f64]| Some(stats::std_dev(scores, Ddof::Sample)?.powi(2));
     Some(f64::midpoint(variance(a)?, variance(b)?).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p_of_sides_without_spread_is_that_of_the_permutation_test() {
+        for (n, m) in [(2, 2), (7, 7), (3, 7), (7, 3), (2, 5)] {
+            let exact = stats::permutation(&vec![1.0; n], &vec![0.0; m]).unwrap().either;
+            assert!((separated_p(n, m) - exact).abs() < 1e-12, "{n} and {m}: {exact}");
+        }
+    }
 }

@@ -31,13 +31,17 @@ pub struct HeatPhase {
 pub struct HeatMap {
     /// Which group.
     pub key: GroupKey,
+    /// Its runs that tell what their teacher did, and all of them.
+    pub runs: (usize, usize),
+    /// The step that the one of its runs that has come furthest was evaluated at.
+    pub reached: u64,
     /// One per entry of [`PHASES`].
     pub phases: [HeatPhase; 3],
 }
 
 impl HeatMap {
     /// Counts the episodes of a group's runs, each with its lines by rising step; `end` is the number of
-    /// training steps that thirds are thirds of. An episode belongs to the third in which it ended: a line
+    /// training steps that thirds are thirds of, the same for all groups of a maze. An episode belongs to the third in which it ended: a line
     /// holds all episodes since the one before it, which are taken to be equally long. `None` if no goal is a
     /// position in the plane.
     pub fn of<'a>(
@@ -49,9 +53,9 @@ impl HeatMap {
         let cells = maze.side() * maze.side();
         let empty = || HeatPhase { episodes: vec![0; cells], successes: vec![0; cells] };
         let mut phases = [empty(), empty(), empty()];
-        let mut any = false;
+        let (mut telling, mut all, mut reached) = (0, 0, 0);
         for lines in runs {
-            let mut before = 0;
+            let (mut before, mut any) = (0, false);
             for line in lines {
                 let length = line.step.saturating_sub(before) as f64 / line.goals.len().max(1) as f64;
                 for (index, (goal, &success)) in (1..).zip(line.goals.iter().zip(&line.successes)) {
@@ -65,16 +69,22 @@ impl HeatMap {
                 }
                 before = line.step;
             }
+            (telling, all, reached) = (telling + usize::from(any), all + 1, before.max(reached));
         }
-        any.then(|| Self { key: key.clone(), phases })
+        (telling > 0).then(|| Self { key: key.clone(), runs: (telling, all), reached, phases })
     }
 }
 
 impl HeatPhase {
+    /// Episodes in all cells.
+    pub fn total(&self) -> u32 {
+        self.episodes.iter().sum()
+    }
+
     /// Share of the phase's episodes with a goal in each cell; all 0 without episodes. Shape: `[side *
     /// side]`.
     pub fn shares(&self) -> Vec<f64> {
-        let total: u32 = self.episodes.iter().sum();
+        let total = self.total();
         self.episodes.iter().map(|&count| f64::from(count) / f64::from(total.max(1))).collect()
     }
 
@@ -102,6 +112,8 @@ pub struct Heat<'a> {
 pub struct MazeHeat<'a> {
     /// The maze.
     pub maze: &'a MazeInfo,
+    /// The training steps whose thirds are shown: those of the run that has come furthest.
+    pub end: u64,
     /// One per group.
     pub maps: Vec<HeatMap>,
 }
@@ -113,19 +125,18 @@ impl<'a> Heat<'a> {
         let mut heat = Self::default();
         for maze in mazes {
             let mut maps = Vec::new();
-            for group in groups.compared_groups() {
-                if group.key.environment != maze.id {
-                    continue;
-                }
+            let mut here = groups.compared_groups();
+            here.retain(|group| group.key.environment == maze.id);
+            let last = here.iter().flat_map(|group| &group.runs).filter_map(|run| run.records.last());
+            let end = last.map(|record| record.step).max().unwrap_or(0);
+            for group in here {
                 let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();
-                let last =
-                    group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max();
                 let lines = read.iter().map(|(lines, _)| lines.as_slice());
-                maps.extend(HeatMap::of(&group.key, maze, last.unwrap_or(0), lines));
+                maps.extend(HeatMap::of(&group.key, maze, end, lines));
                 heat.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
             }
             if !maps.is_empty() {
-                heat.mazes.push(MazeHeat { maze, maps });
+                heat.mazes.push(MazeHeat { maze, end, maps });
             }
         }
         heat

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::analysis::catalogue::Catalogue;
+use crate::analysis::catalogue::{Catalogue, PaperProtocol};
 use crate::analysis::complete;
 use crate::analysis::cost;
 use crate::analysis::goal_map;
@@ -19,14 +19,8 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     let mut lacking = runs(&groups.all, &waiting, &groups.compared_groups());
     lacking.extend(runs(&groups.all, &waiting, &groups.variant_groups()));
     lacking.extend(without_a_group(&groups.all, &waiting));
-    lacking.extend(of_the_paper(&groups.all, analysis.catalogue()));
     lacking.extend(sums(analysis));
-    for (axis, ablations) in analysis.paper().axes.iter().zip(&analysis.ablations) {
-        if ablations.is_empty() {
-            let field = axis.pointer.trim_start_matches('/').replace('/', ".");
-            lacking.push(format!("{} of the paper: no variants differ in {field} alone", axis.source));
-        }
-    }
+    lacking.extend(of_the_paper(analysis));
     for id in groups.environments() {
         if analysis.catalogue().environments.iter().all(|info| info.id != id) {
             lacking.push(format!("{id}: dimensions not known to this report"));
@@ -236,8 +230,32 @@ fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Opti
     })
 }
 
+/// What results of the paper's own protocols lack for being the paper's: its methods and environments without
+/// an evaluation, in a line each, and its ablations. Nothing of results of other protocols, which owe the
+/// paper nothing, nor of a part of results.
+fn of_the_paper(analysis: &Analysis<'_>) -> Vec<String> {
+    let options = analysis.options;
+    if !options.environments.is_empty() || !options.curricula.is_empty() {
+        return Vec::new();
+    }
+    let was_run =
+        |protocol: &&PaperProtocol| analysis.protocols.iter().any(|copy| copy.name == protocol.name);
+    let of_it: Vec<&PaperProtocol> = analysis.paper().protocols.iter().filter(was_run).collect();
+    let mut lacking = Vec::new();
+    if of_it.iter().any(|protocol| protocol.comparison) {
+        lacking.extend(comparison(&analysis.groups.all, analysis.catalogue()));
+    }
+    for (axis, ablations) in analysis.paper().axes.iter().zip(&analysis.ablations) {
+        if ablations.is_empty() && of_it.iter().any(|protocol| protocol.axes.contains(&axis.id)) {
+            let field = axis.pointer.trim_start_matches('/').replace('/', ".");
+            lacking.push(format!("{} of the paper: no variants differ in {field} alone", axis.source));
+        }
+    }
+    lacking
+}
+
 /// The paper's methods and environments that `all` has no evaluation of, in a line each.
-fn of_the_paper(all: &[Group<'_>], catalogue: &Catalogue) -> Vec<String> {
+fn comparison(all: &[Group<'_>], catalogue: &Catalogue) -> Vec<String> {
     let paper = &catalogue.paper;
     let has_method = |id: &str| all.iter().any(|group| group.key.is_of(id));
     let methods = paper.methods().filter(|id| !has_method(id)).map(|id| catalogue.title(id)).collect();

@@ -22,6 +22,14 @@ pub struct ReportOptions {
     pub mixed_students: bool,
     /// Whether figures of students' losses, values and gradients and of teachers' numbers are drawn.
     pub diagnostics: bool,
+    /// Environments that the report is about, by id; empty: all of the results.
+    pub environments: Vec<String>,
+    /// Curricula that the report is about, by id; empty: all of the results.
+    pub curricula: Vec<String>,
+    /// What stands above the report; `None`: the names of the protocols.
+    pub title: Option<String>,
+    /// Whether axes of rates span what there is to see, and not 0 to 1.
+    pub zoom: bool,
     /// What is known of methods, environments and the paper.
     pub catalogue: Catalogue,
 }
@@ -58,7 +66,7 @@ pub const FEWEST_PAIRS: usize = 5;
 
 impl Default for ReportOptions {
     /// The last 5 evaluations; [`Resampling::default`]; [`MARGIN`]; [`FEWEST_PAIRS`]; failures count 0;
-    /// different students are not judged; no diagnostics; an empty catalogue.
+    /// different students are not judged; no diagnostics; all runs; axes from 0 to 1; an empty catalogue.
     fn default() -> Self {
         Self {
             window: 5,
@@ -68,6 +76,10 @@ impl Default for ReportOptions {
             failures: Failures::default(),
             mixed_students: false,
             diagnostics: false,
+            environments: Vec::new(),
+            curricula: Vec::new(),
+            title: None,
+            zoom: false,
             catalogue: Catalogue::default(),
         }
     }

@@ -22,12 +22,15 @@ use crate::analysis::summary::GroupSummary;
 use crate::analysis::teaching::PickSummary;
 use crate::store::Store;
 use crate::store::problem::StoreProblem;
+use crate::store::protocols::ProtocolCopy;
 
 /// The results, and all that is computed from them for more than one figure or table.
 #[derive(Debug)]
 pub struct Analysis<'a> {
     /// The results.
     pub store: &'a Store,
+    /// The protocols that they were made by, as far as they are known.
+    pub protocols: &'a [ProtocolCopy],
     /// How the report is made.
     pub options: &'a ReportOptions,
     /// The runs by what they have in common.
@@ -57,8 +60,14 @@ pub struct Analysis<'a> {
 }
 
 impl<'a> Analysis<'a> {
-    /// The analysis of the results folder `results`, which `store` holds and `groups` are of.
-    pub fn of(results: &Path, store: &'a Store, groups: &'a Groups<'a>, options: &'a ReportOptions) -> Self {
+    /// The analysis of the results folder `results`, which `store` holds and `groups` are of, made by
+    /// `protocols`.
+    pub fn of(
+        results: &Path,
+        (store, protocols): (&'a Store, &'a [ProtocolCopy]),
+        groups: &'a Groups<'a>,
+        options: &'a ReportOptions,
+    ) -> Self {
         let ReportOptions { window, resampling, ref catalogue, .. } = *options;
         let summary = |group: &Group<'_>| GroupSummary::of(group, window, resampling);
         let mut picks: Vec<_> = groups.all.iter().map(PickSummary::of).collect();
@@ -68,6 +77,7 @@ impl<'a> Analysis<'a> {
         let axes = &catalogue.paper.axes;
         Self {
             store,
+            protocols,
             options,
             groups,
             summaries: groups.all.par_iter().filter_map(summary).collect(),

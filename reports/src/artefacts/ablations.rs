@@ -3,7 +3,7 @@
 use std::slice;
 
 use super::files::file_name;
-use super::{Artefact, Drawing, Section};
+use super::{Artefact, Drawing, Section, style};
 use crate::analysis::ablation::{Ablation, Level};
 use crate::analysis::curves::Curve;
 use crate::analysis::group::GroupKey;
@@ -17,6 +17,7 @@ const SECTION: Section = Section::Named { id: "ablations", title: "Ablations" };
 pub(super) const ROW: Artefact = Artefact::figures("ablation", SECTION, draw);
 
 fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
+    let style = style(analysis);
     let mut drawings = Vec::new();
     for (axis, ablations) in analysis.paper().axes.iter().zip(&analysis.ablations) {
         let label = |index| labelled(analysis.groups, ablations, index);
@@ -28,21 +29,19 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
             .iter()
             .map(|(title, curves)| LearningPanel { title: title.clone(), curves: curves.iter().collect() })
             .collect();
-        let keys = || labelled.iter().flat_map(|(_, curves)| curves).map(|curve| &curve.key);
-        let plain = format!("{} = {}", axis.symbol, axis.reference);
         let heading = |what: &str| format!("{} of the paper, {what}: {}", axis.source, axis.title);
         drawings.push(Drawing {
             name: format!("ablation-{}", axis.id),
             title: heading("all environments"),
             environment: None,
-            svg: figure::ablation(&panels, keys(), &plain)?,
+            svg: figure::ablation(&panels, &style)?,
         });
         for (index, panel) in panels.iter().enumerate() {
             drawings.push(Drawing {
                 name: format!("ablation-{}-{}", axis.id, file_name(&panel.title, index)),
                 title: heading(&panel.title),
                 environment: Some(panel.curves[0].key.environment.clone()),
-                svg: figure::ablation(slice::from_ref(panel), keys(), &plain)?,
+                svg: figure::ablation(slice::from_ref(panel), &style)?,
             });
         }
     }
@@ -57,10 +56,9 @@ fn labelled(groups: &Groups<'_>, all: &[Ablation<'_>], index: usize) -> (String,
     let id = environment(ablation);
     let before = all[..index].iter().filter(|other| environment(other) == id).count();
     let title = if before == 0 { id.clone() } else { format!("{id} ({})", before + 1) };
-    let symbol = &ablation.axis.symbol;
     let curve = |level: &Level<'_>| {
         let curve = &groups.curves[level.group];
-        let key = GroupKey { variant: format!("{symbol} = {}", level.text()), ..curve.key.clone() };
+        let key = GroupKey { variant: ablation.axis.level(&level.text()), ..curve.key.clone() };
         Curve { key, ..curve.clone() }
     };
     (title, ablation.levels.iter().map(curve).collect())

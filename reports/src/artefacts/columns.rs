@@ -99,5 +99,10 @@ pub(super) fn effect<'c, R: 'c>(
             "runs that are not finished or were evaluated at other steps",
             count(|effect| effect.left_out),
         ),
+        Column::count(
+            "runs_failed",
+            "runs of the compared ones that failed, and count 0 from their failure on",
+            count(|effect| effect.failed),
+        ),
     ]
 }

@@ -48,8 +48,18 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             "runs of both that are not finished or were evaluated at other steps",
             |row: &Comparison<'_>| row.left_out as u64,
         ),
-        Column::count("n_pairs", "seeds that both have", |row: &Comparison<'_>| row.pairs as u64)
-            .shown("Pairs", |row| row.pairs.to_string()),
+        Column::count(
+            "runs_failed",
+            "runs of both that failed, and count 0 from their failure on",
+            |row: &Comparison<'_>| row.failed as u64,
+        ),
+        Column::count("n_pairs", "seeds that both have", |row: &Comparison<'_>| row.pairs as u64).shown(
+            "Pairs",
+            |row| match row.failed {
+                0 => row.pairs.to_string(),
+                failed => format!("{} ({failed} failed)", row.pairs),
+            },
+        ),
         Column::real(
             "difference",
             "mean over pairs of the difference of final success, method minus reference",
@@ -122,7 +132,8 @@ fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
         }),
         Column::real(
             "p_holm",
-            "the p-value corrected by Holm's method for all comparisons of its family; 1 where all scores are equal",
+            "the p-value corrected by Holm's method for all comparisons of its family; 1 where all scores are equal; of the exact \
+             permutation test where neither side varies",
             |row: &Comparison<'_>| row.p_holm,
         )
         .shown("p (Holm)", |row| or_undefined(row.p_holm, p_value)),
@@ -157,7 +168,9 @@ fn caption(resampling: Resampling) -> String {
          of the pairs in which the method is ahead, ties one half; p (signs): the same test of these signs alone, which a \
          few collapsed runs cannot decide. P(improvement): probability that a random run of the method scores above one of \
          the reference. p (Holm): Welch's two-sided t-test, which does not use the pairs, corrected by Holm's method for \
-         all comparisons of methods, and for all of variants; 1 where all scores are equal. Variants whose runs are those \
+         all comparisons of methods, and for all of variants; 1 where all scores are equal; where neither side varies and \
+         they differ, the exact permutation test of all runs stands in its place. In brackets behind the pairs: runs of \
+         both that failed, and count 0 from their failure on. Variants whose runs are those \
          of the reference evaluation by evaluation are left out. Detectable: the smallest true difference of success rates \
          that this test finds with a power of {TARGET_POWER}, given the seeds at hand and their spread, at the strictest \
          level of that correction ({ALPHA} over the number of tests).",

@@ -1,6 +1,6 @@
 //! Sample efficiency of all methods.
 
-use super::{ACROSS, Artefact, Drawing, basis};
+use super::{ACROSS, Artefact, Drawing, basis, style};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -13,11 +13,11 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     if across.efficiency.is_empty() {
         return Ok(Vec::new());
     }
-    let (basis, keys) = (basis(analysis), analysis.groups.keys());
+    let (basis, style) = (basis(analysis), style(analysis));
     Ok(vec![Drawing {
         name: "efficiency".to_owned(),
         title: format!("Sample efficiency, {}", counted(basis.environments, "environment")),
         environment: None,
-        svg: figure::efficiency(&across.efficiency, &basis, keys)?,
+        svg: figure::efficiency(&across.efficiency, &basis, &style)?,
     }])
 }

@@ -16,7 +16,7 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
             name: format!("heat-{}", file_name(id, index)),
             title: format!("{id}: goals of training episodes and success at them, over time"),
             environment: Some(id.clone()),
-            svg: figure::heat(heat.maze, &heat.maps)?,
+            svg: figure::heat(heat)?,
         });
     }
     Ok(drawings)

@@ -1,6 +1,6 @@
 //! Interquartile mean and optimality gap of all methods, with their intervals.
 
-use super::{ACROSS, Artefact, Drawing, basis};
+use super::{ACROSS, Artefact, Drawing, basis, style};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -13,7 +13,7 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     if across.aggregates.is_empty() {
         return Ok(Vec::new());
     }
-    let (basis, keys) = (basis(analysis), analysis.groups.keys());
+    let (basis, style) = (basis(analysis), style(analysis));
     Ok(vec![Drawing {
         name: "aggregates".to_owned(),
         title: format!(
@@ -21,6 +21,6 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
             counted(basis.environments, "environment")
         ),
         environment: None,
-        svg: figure::aggregates(&across.aggregates, &basis, keys)?,
+        svg: figure::aggregates(&across.aggregates, &basis, &style)?,
     }])
 }

@@ -4,7 +4,7 @@
 use std::slice;
 
 use super::files::file_name;
-use super::{Artefact, Drawing, RESULTS};
+use super::{Artefact, Drawing, RESULTS, style};
 use crate::analysis::curves::Progress;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
@@ -34,8 +34,8 @@ fn draw(
     [grid, single]: [&str; 2],
     against: &str,
 ) -> Result<Vec<Drawing>, ReportError> {
-    let groups = analysis.groups;
-    let curves = groups.compared_curves();
+    let style = style(analysis);
+    let curves = analysis.groups.compared_curves();
     let mut panels = figure::by_environment(&curves);
     // Without timings there is nothing to draw over hours.
     for panel in &mut panels {
@@ -49,14 +49,14 @@ fn draw(
         name: grid.to_owned(),
         title: format!("All environments: success rate against {against}"),
         environment: None,
-        svg: figure::learning(&panels, groups.keys(), progress)?,
+        svg: figure::learning(&panels, &style, progress)?,
     }];
     for (index, panel) in panels.iter().enumerate() {
         drawings.push(Drawing {
             name: format!("{single}-{}", file_name(&panel.title, index)),
             title: format!("{}: success rate against {against}", panel.title),
             environment: Some(panel.title.clone()),
-            svg: figure::learning(slice::from_ref(panel), groups.keys(), progress)?,
+            svg: figure::learning(slice::from_ref(panel), &style, progress)?,
         });
     }
     Ok(drawings)

@@ -14,6 +14,7 @@ mod efficiency;
 mod environments;
 mod files;
 mod goal_map;
+mod heading;
 mod heat;
 mod improvement;
 mod intervals;
@@ -31,13 +32,15 @@ mod runs;
 mod student;
 mod summary;
 mod teaching;
+mod variant_settings;
 mod variants;
 
 pub use report::{Written, write};
 
+use crate::analysis::levels;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::figure::Basis;
+use crate::render::figure::{Basis, Palette, Style};
 use crate::render::table::Sheet;
 
 /// Every figure and table of a report, in the order in which they are read. Within a section figures stand
@@ -50,6 +53,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     learning::GRADIENT_STEPS,
     learning::HOURS,
     summary::ROW,
+    variant_settings::ROW,
     costs::ROW,
     teaching::ROW,
     ledger::ROW,
@@ -115,6 +119,12 @@ fn basis<'a>(analysis: &'a Analysis<'_>) -> Basis<'a> {
         failed: across.failed,
         resampling: analysis.options.resampling,
     }
+}
+
+/// How all figures are drawn: each method, variant and level of an ablation in one look.
+fn style(analysis: &Analysis<'_>) -> Style {
+    let levels = levels::levels(&analysis.groups.all, &analysis.paper().axes, &analysis.ablations);
+    Style { palette: Palette::with_levels(analysis.groups.keys(), &levels), zoom: analysis.options.zoom }
 }
 
 /// What an artefact is, and how it is computed.

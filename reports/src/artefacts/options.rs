@@ -24,17 +24,10 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 
 fn rows(options: &ReportOptions) -> Vec<Row> {
     // The catalogue is no option of whoever asks for a report.
-    let ReportOptions {
-        window,
-        resampling,
-        margin,
-        fewest_pairs,
-        failures,
-        mixed_students,
-        diagnostics,
-        catalogue: _,
-    } = options;
-    let answer = |yes: bool| if yes { "yes" } else { "no" };
+    // The catalogue is no option of whoever asks for a report.
+    let ReportOptions { window, resampling, margin, fewest_pairs, failures, mixed_students, .. } = options;
+    let answer = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
+    let names = |ids: &[String]| if ids.is_empty() { "all".to_owned() } else { ids.join(", ") };
     vec![
         ("window", window.to_string(), "evaluations at the end of a run that its final success averages"),
         ("confidence", resampling.confidence.to_string(), "coverage of intervals, and what verdicts keep"),
@@ -55,12 +48,15 @@ fn rows(options: &ReportOptions) -> Vec<Row> {
         ),
         (
             "mixed students",
-            answer(*mixed_students).to_owned(),
+            answer(*mixed_students),
             "whether claims are judged where both sides train different students",
         ),
+        ("environments", names(&options.environments), "those that the report is about"),
+        ("curricula", names(&options.curricula), "those that the report is about"),
+        ("zoom", answer(options.zoom), "whether axes of rates span what there is to see, and not 0 to 1"),
         (
             "diagnostics",
-            answer(*diagnostics).to_owned(),
+            answer(options.diagnostics),
             "whether students' losses, values and gradients and teachers' numbers are drawn",
         ),
         (

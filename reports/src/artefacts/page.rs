@@ -1,5 +1,6 @@
 //! The page: sections in the order of the artefacts, then how the runs were made and what is wrong.
 
+use super::heading::Heading;
 use super::made::{Made, shown};
 use super::{Artefact, Content, Drawing, RESULTS, Repeated, Section};
 use crate::analysis::whole::Analysis;
@@ -11,6 +12,7 @@ use crate::wording::counted;
 /// `index.html`.
 pub(super) fn html(
     analysis: &Analysis<'_>,
+    heading: &Heading,
     made: &[Made],
     missing: &[String],
     problems: &[StoreProblem],
@@ -45,7 +47,7 @@ pub(super) fn html(
         PageSection::new("missing", "What is missing", page::list(missing)),
         PageSection::new("problems", "Problems in the records", page::list(problems)),
     ]);
-    page::html(sections)
+    page::html(&heading.title, &heading.lines, sections)
 }
 
 /// How much there is, with links to what is wrong.

@@ -1,6 +1,6 @@
 //! Performance profiles of all methods.
 
-use super::{ACROSS, Artefact, Drawing, basis};
+use super::{ACROSS, Artefact, Drawing, basis, style};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -13,11 +13,11 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     if across.profiles.is_empty() {
         return Ok(Vec::new());
     }
-    let (basis, keys) = (basis(analysis), analysis.groups.keys());
+    let (basis, style) = (basis(analysis), style(analysis));
     Ok(vec![Drawing {
         name: "profiles".to_owned(),
         title: format!("Performance profiles, {}", counted(basis.environments, "environment")),
         environment: None,
-        svg: figure::profiles(&across.profiles, &basis, keys)?,
+        svg: figure::profiles(&across.profiles, &basis, &style)?,
     }])
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::files::{self, File};
+use super::heading::Heading;
 use super::made::{Made, make, shown};
 use super::{ARTEFACTS, Artefact, Content, Section, page};
 use crate::analysis::comparison::{ALPHA, TARGET_POWER};
@@ -10,6 +11,7 @@ use crate::analysis::complete;
 use crate::analysis::groups::Groups;
 use crate::analysis::missing;
 use crate::analysis::options::ReportOptions;
+use crate::analysis::subset::Subset;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::{self, markdown_escape};
@@ -17,6 +19,7 @@ use crate::store::Store;
 use crate::store::layout;
 use crate::store::problem::StoreProblem;
 use crate::wording::counted;
+use crate::store::protocols;
 
 /// What a report consists of.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,12 +41,14 @@ pub struct Written {
 /// bytes.
 ///
 /// # Errors
-/// What [`Store::read`] refuses; [`ReportError::NoRecords`] if there is nothing to draw;
+/// What [`Store::read`] refuses; [`ReportError::NotInResults`]; [`ReportError::NoRecords`] if there is nothing to draw;
 /// [`ReportError::Option`];
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
     options.check()?;
-    let store = Store::read(results)?;
+    let mut store = Store::read(results)?;
+    let subset = Subset::cut(&mut store, options)?;
+    let (protocols, unreadable) = protocols::protocols(results);
     if store.is_empty() {
         return Err(ReportError::NoRecords {
             path: results.to_owned(),
@@ -53,18 +58,19 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
     }
     let completed = complete::failed_as_zero(&store, options.failures);
     let groups = Groups::of(&store, &completed, options);
-    let analysis = Analysis::of(results, &store, &groups, options);
+    let analysis = Analysis::of(results, (&store, &protocols), &groups, options);
+    let heading = Heading::of(options, &protocols, subset.as_ref());
     // The problems of all files, for the report and for the caller.
-    let mut problems: Vec<StoreProblem> =
-        store.problems().iter().chain(analysis.problems()).cloned().collect();
+    let problems = store.problems().iter().chain(analysis.problems()).chain(&unreadable);
+    let mut problems: Vec<StoreProblem> = problems.cloned().collect();
     problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
     let missing = missing::all(&analysis);
     let made: Result<Vec<Made>, ReportError> = ARTEFACTS.iter().map(|row| make(row, &analysis)).collect();
     let made = made?;
 
     let mut files: Vec<File> = vec![
-        ("index.html".into(), page::html(&analysis, &made, &missing, &problems).into_bytes()),
-        ("summary.md".into(), markdown(&store, &made, &missing, &problems).into_bytes()),
+        ("index.html".into(), page::html(&analysis, &heading, &made, &missing, &problems).into_bytes()),
+        ("summary.md".into(), markdown(&analysis, &heading, &made, &missing, &problems).into_bytes()),
     ];
     for (artefact, sheet) in shown(&made) {
         files.push((format!("tables/{}.tex", artefact.id).into(), sheet.table.latex().into_bytes()));
@@ -95,11 +101,19 @@ fn data(made: &Made) -> Result<Vec<File>, ReportError> {
 }
 
 /// The report as Markdown: all tables, and what is missing or wrong.
-fn markdown(store: &Store, made: &[Made], missing: &[String], problems: &[StoreProblem]) -> String {
-    let (evaluations, runs) = (counted(store.len(), "evaluation"), counted(store.runs().len(), "run"));
-    let mut text = format!(
-        "# Results\n\n{evaluations} of {runs}.\n\n\
-         ![Success rate over training](figures/grid.png)\n"
+fn markdown(
+    analysis: &Analysis<'_>,
+    heading: &Heading,
+    made: &[Made],
+    missing: &[String],
+    problems: &[StoreProblem],
+) -> String {
+    let (evaluations, runs) = (analysis.store.len(), analysis.store.runs().len());
+    let mut text = format!("# {}\n\n", markdown_escape(&heading.title));
+    text.extend(heading.lines.iter().map(|line| format!("{}\n\n", markdown_escape(line))));
+    let (evaluations, runs) = (counted(evaluations, "evaluation"), counted(runs, "run"));
+    text += &format!(
+        "{evaluations} of {runs}.\n\n![Success rate over training](figures/grid.png)\n"
     );
     let mut last = super::RESULTS;
     for (artefact, sheet) in shown(made) {

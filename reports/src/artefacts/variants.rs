@@ -3,7 +3,7 @@
 use std::slice;
 
 use super::files::file_name;
-use super::{Artefact, Drawing, Section};
+use super::{Artefact, Drawing, Section, style};
 use crate::analysis::curves::{Curve, Progress};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
@@ -12,14 +12,14 @@ use crate::render::figure;
 pub(super) const ROW: Artefact = Artefact::figures("variants", Section::Environments, draw);
 
 fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
-    let groups = analysis.groups;
+    let style = style(analysis);
     let mut drawings = Vec::new();
     for (index, panel) in figure::by_environment(&curves(analysis)).iter().enumerate() {
         drawings.push(Drawing {
             name: format!("variants-{}", file_name(&panel.title, index)),
             title: format!("{}: further variants", panel.title),
             environment: Some(panel.title.clone()),
-            svg: figure::learning(slice::from_ref(panel), groups.keys(), Progress::EnvironmentSteps)?,
+            svg: figure::learning(slice::from_ref(panel), &style, Progress::EnvironmentSteps)?,
         });
     }
     Ok(drawings)

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE    for every FILE of the table FILES
+//! RESULTS/protocols/NAME.toml
 //! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt,
 //!                 tables/*.tex, figures/*.{svg, png}}
 //! ```
@@ -116,6 +117,11 @@ pub fn key_at(folder: &Path) -> Option<RunKey> {
     let mut name = || Some(names.next()??.to_owned());
     let (variant, curriculum, environment) = (name()?, name()?, name()?);
     Some(RunKey { environment, curriculum, variant, seed })
+}
+
+/// The folder of the copies of the protocols that the results were made by.
+pub fn protocols_dir(results: &Path) -> PathBuf {
+    results.join("protocols")
 }
 
 /// The folder of the figures and tables.

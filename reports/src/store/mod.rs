@@ -15,6 +15,7 @@ mod lines;
 mod load;
 mod makers;
 pub mod problem;
+pub mod protocols;
 mod results;
 mod run_folder;
 mod student;
@@ -118,6 +119,11 @@ impl Store {
     /// Number of evaluations in all runs.
     pub fn len(&self) -> usize {
         self.runs.iter().map(|run| run.records.len()).sum()
+    }
+
+    /// Keeps the runs that `keep` accepts; what is wrong with the folder stays known.
+    pub fn retain(&mut self, keep: impl Fn(&RunKey) -> bool) {
+        self.runs.retain(|run| keep(run.key()));
     }
 
     /// Whether there is no evaluation at all.

@@ -5,7 +5,8 @@ use looks::colours::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use looks::{Dash, Look, Marker};
 
 use crate::analysis::catalogue::{
-    Axis, Catalogue, Claim, ClaimKind, ClaimScope, Deviation, Measure, MethodInfo, Paper, ReadingChoice, Rule,
+    Axis, Catalogue, Claim, ClaimKind, ClaimScope, Deviation, Measure, MethodInfo, Paper, PaperProtocol,
+    ReadingChoice, Rule,
 };
 
 const FIGURES: &str = "Figures 2 and 6";
@@ -120,6 +121,11 @@ pub fn catalogue() -> Catalogue {
         baselines: owned(&["wren", "kite", "moss", "dull"]),
         control: Some("dull-pool".to_owned()),
         tasks: TASKS.iter().map(|ids| owned(ids)).collect(),
+        protocols: vec![PaperProtocol {
+            name: "made-up paper".to_owned(),
+            comparison: true,
+            axes: owned(&["confidence", "window", "interplay"]),
+        }],
         figures: FIGURES.to_owned(),
         settings: "/curriculum/nova".to_owned(),
         axes: vec![

@@ -197,9 +197,13 @@ fn failed_runs_count_0_from_their_failure_on() {
     assert_eq!(number("costs.csv", "steps_min"), 3_000.0, "what finished runs took");
     let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
     let row = csv.lines().nth(1).unwrap();
-    assert!(row.starts_with("methods,RoomA,wren,default,nova,default,6,6,0,6,"), "{row}");
+    assert!(row.starts_with("methods,RoomA,wren,default,nova,default,6,6,0,2,6,"), "{row}");
     let summary = fs::read_to_string(layout::report_dir(path).join("summary.md")).unwrap();
-    assert!(summary.contains("| 4 of 6, 2 failed |"), "{summary}");
+    assert!(summary.contains("| 4 of 6, 2 failed |") && summary.contains("| 6 (2 failed) |"), "{summary}");
+    assert!(
+        summary.contains("; 4 failed runs count 0 from their failure on"),
+        "the ledger's evidence: {summary}"
+    );
     assert!(summary.contains(" 4 runs failed: they count 0 from their failure on."), "{summary}");
     for expected in [
         "RoomA: NOVA: 2 of 6 runs failed",

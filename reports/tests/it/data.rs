@@ -1,5 +1,6 @@
 //! The data: the dictionary names every column, and Parquet holds what CSV holds.
 
+use super::footer;
 use super::support::{key, options, write_run};
 use polars::prelude::{CsvReader, DataFrame, ParquetReader, SerReader};
 use reports::ReportOptions;
@@ -32,6 +33,7 @@ fn the_data_are_complete_and_described() {
         ("runs", 3),
         ("student", 0),
         ("summary", 2),
+        ("variants", 0),
         ("costs", 2),
         ("teaching", 0),
         ("aggregates", 0),
@@ -111,4 +113,40 @@ fn the_numbers_of_a_run_by_hand() {
     assert!(page.contains("<td class=\"number\">0.75 [0.60, 0.86]</td>"), "on the page too");
     // 2,000 steps take 3,600 s, of which the teacher has a fifth and learning half.
     assert_eq!(["wall_hours", "teacher_hours", "learning_hours"].map(field), ["1.0", "0.2", "0.5"]);
+}
+
+#[test]
+fn parquet_keeps_to_what_all_readers_know() {
+    use polars::prelude::*;
+    let results = TempDir::new().unwrap();
+    for seed in 0..3 {
+        write_run(results.path(), &key("E", "wren", "default", seed), &[0.0, 0.5]);
+    }
+    reports::write(results.path(), &options()).unwrap();
+    for name in ["records", "runs"] {
+        let path = layout::report_dir(results.path()).join(format!("{name}.parquet"));
+        let mut reader = ParquetReader::new(std::fs::File::open(&path).unwrap());
+        let metadata = reader.get_metadata().unwrap().clone();
+        let (mut text, mut numbers) = (0, 0);
+        for column in metadata.row_groups.iter().flat_map(|group| group.parquet_columns()) {
+            let said = format!("{:?}", column.descriptor().descriptor.primitive_type);
+            // Text is a `string`, numbers have 64 bits.
+            match said {
+                said if said.contains("ByteArray") => {
+                    assert!(said.contains("String") || said.contains("Utf8"), "{name}: {said}");
+                    text += 1;
+                }
+                said => {
+                    assert!(said.contains("Int64") || said.contains("Double"), "{name}: {said}");
+                    numbers += 1;
+                }
+            }
+        }
+        assert!(text > 2 && numbers > 4, "{name}: {text} and {numbers}");
+        // Those that readers have had from the beginning: PLAIN, PLAIN_DICTIONARY, RLE and RLE_DICTIONARY.
+        let encodings = footer::encodings(&std::fs::read(&path).unwrap());
+        assert_eq!(encodings.len(), text + numbers);
+        let known = |encoding: &i64| [0, 2, 3, 8].contains(encoding);
+        assert!(encodings.iter().flatten().all(known), "{name}: {encodings:?}");
+    }
 }

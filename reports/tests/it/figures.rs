@@ -6,9 +6,9 @@ use reports::analysis::curves::{Curve, Point, Progress};
 use reports::analysis::efficiency::Efficiency;
 use reports::analysis::finals::Finals;
 use reports::analysis::group::GroupKey;
-use reports::analysis::heat::{HeatMap, HeatPhase};
+use reports::analysis::heat::{HeatMap, HeatPhase, MazeHeat};
 use reports::analysis::improvement;
-use reports::render::figure::{self, Basis};
+use reports::render::figure::{self, Basis, Style};
 use reports::stats::Resampling;
 use reports::synthetic::catalogue;
 use resvg::usvg::{self, Node, Rect};
@@ -106,23 +106,24 @@ fn cases() -> Vec<(&'static str, Vec<Curve>)> {
 
 /// All figures of a case: learning curves of one and of all environments, the same over hours, and what sums
 /// up environments.
-fn figures(curves: &[Curve]) -> Vec<String> {
+fn figures(curves: &[Curve], zoom: bool) -> Vec<String> {
     let first = &curves[0].key.environment;
     let all: Vec<&Curve> = curves.iter().collect();
     let single: Vec<&Curve> = curves.iter().filter(|curve| curve.key.environment == *first).collect();
     let learning = |curves: &[&Curve], progress| {
         let keys = all.iter().map(|curve| &curve.key);
-        figure::learning(&figure::by_environment(curves), keys, progress).unwrap()
+        figure::learning(&figure::by_environment(curves), &Style { zoom, ..Style::new(keys) }, progress)
+            .unwrap()
     };
     let mut figures = vec![
         learning(&single, Progress::EnvironmentSteps),
         learning(&all, Progress::EnvironmentSteps),
         learning(&single, Progress::Hours),
         learning(&all, Progress::GradientSteps),
-        efficiency(&single),
+        efficiency(&single, zoom),
         heat(&single),
     ];
-    figures.extend(across(&single));
+    figures.extend(across(&single, zoom));
     figures
 }
 
@@ -137,7 +138,7 @@ const BASIS: Basis<'_> = Basis {
 
 /// Performance profiles, aggregates and improvements of the methods of some curves, with made-up final
 /// scores.
-fn across(curves: &[&Curve]) -> [String; 3] {
+fn across(curves: &[&Curve], zoom: bool) -> [String; 3] {
     let finals = |(index, curve): (usize, &&Curve)| Finals {
         key: curve.key.clone(),
         by_seed: (0..7).map(|seed| (seed, (0.1 * (seed as f64 + index as f64)).min(1.0))).collect(),
@@ -146,23 +147,23 @@ fn across(curves: &[&Curve]) -> [String; 3] {
     let finals: Vec<Finals> = curves.iter().enumerate().map(finals).collect();
     let resampling = Resampling { resamples: 1_000, ..Resampling::default() };
     let shared = Shared::of(&finals);
-    let keys = || curves.iter().map(|curve| &curve.key);
+    let style = Style { zoom, ..Style::new(curves.iter().map(|curve| &curve.key)) };
     let profiles = shared.profiles(resampling);
     assert_eq!(profiles.len(), curves.len());
     [
-        figure::profiles(&profiles, &BASIS, keys()).unwrap(),
-        figure::aggregates(&shared.aggregates(resampling), &BASIS, keys()).unwrap(),
+        figure::profiles(&profiles, &BASIS, &style).unwrap(),
+        figure::aggregates(&shared.aggregates(resampling), &BASIS, &style).unwrap(),
         figure::improvements(
             &improvement::improvements(&finals.iter().collect::<Vec<_>>(), resampling),
             &BASIS,
-            keys(),
+            &style,
         )
         .unwrap(),
     ]
 }
 
 /// Sample-efficiency curves that follow the learning curves.
-fn efficiency(curves: &[&Curve]) -> String {
+fn efficiency(curves: &[&Curve], zoom: bool) -> String {
     let of = |curve: &&'_ Curve| {
         let shares: Vec<f64> = (0..=20).map(|index| f64::from(index) / 20.0).collect();
         let iqm: Vec<f64> = shares.iter().map(|share| share * curve.points[0].mean.max(0.5)).collect();
@@ -179,7 +180,8 @@ fn efficiency(curves: &[&Curve]) -> String {
             intervals: intervals.clone(),
         })
         .collect();
-    figure::efficiency(&curves, &BASIS, owned.iter().map(|(key, ..)| key)).unwrap()
+    let style = Style { zoom, ..Style::new(owned.iter().map(|(key, ..)| key)) };
+    figure::efficiency(&curves, &BASIS, &style).unwrap()
 }
 
 /// Heat maps of the methods of some curves in a maze whose middle row is a wall.
@@ -197,11 +199,15 @@ fn heat(curves: &[&Curve]) -> String {
         episodes: (0..169).map(|cell| (cell + offset) % 40).collect(),
         successes: (0..169).map(|cell| (cell + offset) % 40 / 2).collect(),
     };
-    let maps: Vec<HeatMap> = curves
-        .iter()
-        .map(|curve| HeatMap { key: curve.key.clone(), phases: [phase(0), phase(7), phase(21)] })
-        .collect();
-    figure::heat(&maze, &maps).unwrap()
+    let empty = || HeatPhase { episodes: vec![0; 169], successes: vec![0; 169] };
+    let map = |curve: &&Curve| HeatMap {
+        key: curve.key.clone(),
+        runs: (1, 7),
+        reached: 600_000,
+        phases: [phase(0), phase(7), empty()],
+    };
+    let maps = curves.iter().map(map).collect();
+    figure::heat(&MazeHeat { maze: &maze, end: 1_000_000, maps }).unwrap()
 }
 
 fn parse(svg: &str) -> usvg::Tree {
@@ -229,7 +235,7 @@ fn texts(group: &usvg::Group) -> Vec<(String, Rect)> {
 #[test]
 fn labels_are_inside_the_page_and_apart() {
     for (case, curves) in cases() {
-        for svg in figures(&curves) {
+        for svg in [false, true].iter().flat_map(|zoom| figures(&curves, *zoom)) {
             let tree = parse(&svg);
             let (width, height) = (tree.size().width(), tree.size().height());
             let texts = texts(tree.root());
@@ -250,9 +256,20 @@ fn labels_are_inside_the_page_and_apart() {
 }
 
 #[test]
+fn axes_that_do_not_span_0_to_1_say_so() {
+    let high = [curve("E", "nova", "default", 7, |share| 0.8 + 0.05 * share)];
+    for (zoom, expected) in [(false, 0), (true, 1)] {
+        let svg = &figures(&high, zoom)[0];
+        let texts: Vec<String> = texts(parse(svg).root()).into_iter().map(|(text, _)| text).collect();
+        assert_eq!(texts.iter().filter(|text| text.contains("(zoomed in)")).count(), expected, "{texts:?}");
+        assert_eq!(texts.iter().any(|text| text == "0.0"), !zoom, "{texts:?}");
+    }
+}
+
+#[test]
 fn names_stay_readable_through_escaping() {
     let curves = cases().pop().unwrap().1;
-    let svg = &figures(&curves)[0];
+    let svg = &figures(&curves, false)[0];
     let texts: Vec<String> = texts(parse(svg).root()).into_iter().map(|(text, _)| text).collect();
     assert!(texts.iter().any(|text| text.contains("<b>&\"maze\"</b>")), "{texts:?}");
     assert!(texts.iter().any(|text| text.contains("λ-curriculum & <friends> (β='20')")), "{texts:?}");
@@ -260,7 +277,7 @@ fn names_stay_readable_through_escaping() {
 
 /// Pixels of a PNG rendered from `curves` that have exactly this colour.
 fn pixels_of(curves: &[Curve], colour: [u8; 3]) -> usize {
-    let svg = &figures(curves)[0];
+    let svg = &figures(curves, false)[0];
     let png = figure::png("test", svg).unwrap();
     let image = resvg::tiny_skia::Pixmap::decode_png(&png).unwrap();
     image.pixels().iter().filter(|pixel| [pixel.red(), pixel.green(), pixel.blue()] == colour).count()
@@ -294,9 +311,12 @@ fn equal_curves_can_all_be_seen() {
 fn draw_all_cases() {
     let folder = std::path::PathBuf::from(std::env::var_os("FIGURES").unwrap());
     for (case, curves) in cases() {
-        for (index, svg) in figures(&curves).iter().enumerate() {
-            let name = format!("{case} {index}").replace(' ', "-");
-            std::fs::write(folder.join(format!("{name}.png")), figure::png(case, svg).unwrap()).unwrap();
+        for zoom in [false, true] {
+            for (index, svg) in figures(&curves, zoom).iter().enumerate() {
+                let zoomed = if zoom { " zoomed" } else { "" };
+                let name = format!("{case} {index}{zoomed}").replace(' ', "-");
+                std::fs::write(folder.join(format!("{name}.png")), figure::png(case, svg).unwrap()).unwrap();
+            }
         }
     }
 }

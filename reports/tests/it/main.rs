@@ -8,6 +8,7 @@ mod data;
 mod efficiency;
 mod families;
 mod figures;
+mod footer;
 mod latex;
 mod ledger;
 mod page;

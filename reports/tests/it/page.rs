@@ -1,6 +1,7 @@
 //! The page: self-contained, escaped, and sound in a real browser.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::support::{HOSTILE, every_kind, program};
@@ -43,35 +44,73 @@ fn the_page_needs_nothing_else_and_escapes_names() {
     }
 }
 
+/// Has `page` shown in a window of this size and gives the title that it ends with, and what the browser
+/// logged.
+fn shown(browser: &Path, page: &Path, size: &str) -> (String, String) {
+    let profile = TempDir::new().unwrap();
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000", "--dump-dom"])
+        .arg(format!("--window-size={size}"))
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+    let title =
+        dom.split("<title>").nth(1).and_then(|rest| rest.split("</title>").next()).unwrap_or_default();
+    (title.to_owned(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// A copy of a page that says, once loaded, how many figures it shows and by how many pixels anything sticks
+/// out of the window: in its title, and to the page around it.
+fn with_probe(folder: &Path, html: &str) -> PathBuf {
+    let probe = "<script>addEventListener('load', () => { const images = [...document.images];\
+                 const excess = element => element.scrollWidth - element.clientWidth;\
+                 const scrolled = [...document.querySelectorAll('.scroll, figure')].map(excess);\
+                 document.title = 'shown ' + images.filter(i => i.complete && i.naturalWidth > 300).length +\
+                 ' of ' + images.length + ', excess ' + excess(document.documentElement) +\
+                 ', inside ' + Math.max(0, ...scrolled);\
+                 parent.postMessage(document.title, '*'); });</script></body>";
+    let copy = folder.join("probe.html");
+    fs::write(&copy, html.replace("</body>", probe)).unwrap();
+    copy
+}
+
 #[test]
 fn a_browser_shows_every_figure_and_complains_of_nothing() {
     let Some(browser) = program("chromium", "GOALBENCH_REQUIRE_BROWSER") else { return };
     let (results, html) = page();
-    // A copy that says, once loaded, how many figures it shows and whether anything sticks out of the window.
-    let probe = "<script>addEventListener('load', () => { const images = [...document.images];\
-                 document.title = 'shown ' + images.filter(i => i.complete && i.naturalWidth > 300).length +\
-                 ' of ' + images.length + ', excess ' +\
-                 (document.documentElement.scrollWidth - document.documentElement.clientWidth); });</script></body>";
-    let copy = results.path().join("probe.html");
-    fs::write(&copy, html.replace("</body>", probe)).unwrap();
+    let copy = with_probe(results.path(), &html);
+    let figures = html.matches("<img ").count();
     // 500 pixels is the narrowest window of a headless browser.
     for size in ["1200,900", "500,900"] {
-        let profile = TempDir::new().unwrap();
-        let output = Command::new(&browser)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
-            .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
-            .args(["--enable-logging=stderr", "--v=0", "--virtual-time-budget=20000", "--dump-dom"])
-            .arg(format!("--window-size={size}"))
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg(format!("file://{}", copy.display()))
-            .output()
-            .unwrap();
-        let log = String::from_utf8_lossy(&output.stderr);
+        let (title, log) = shown(&browser, &copy, size);
         assert!(!log.contains("CONSOLE"), "{log}");
-        let dom = String::from_utf8_lossy(&output.stdout);
-        let title =
-            dom.split("<title>").nth(1).and_then(|rest| rest.split("</title>").next()).unwrap_or_default();
-        let figures = html.matches("<img ").count();
-        assert_eq!(title, format!("shown {figures} of {figures}, excess 0"), "window of {size}: {log}");
+        let expected = format!("shown {figures} of {figures}, excess 0, inside ");
+        assert!(title.starts_with(&expected), "window of {size}: {title}: {log}");
+    }
+}
+
+#[test]
+fn nothing_on_a_phone_scrolls_sideways() {
+    let Some(browser) = program("chromium", "GOALBENCH_REQUIRE_BROWSER") else { return };
+    let (results, html) = page();
+    let copy = with_probe(results.path(), &html);
+    let figures = html.matches("<img ").count();
+    for width in [390, 320] {
+        // A frame is as narrow as it is told to be, and the page in it takes it for the window.
+        let phone = results.path().join("phone.html");
+        let frame = format!(
+            "<!DOCTYPE html><html><head><title>nothing</title></head><body><script>\
+             addEventListener('message', event => {{ document.title = event.data; }});</script>\
+             <iframe src=\"{}\" style=\"width: {width}px; height: 900px; border: 0\"></iframe></body></html>",
+            copy.file_name().unwrap().to_str().unwrap()
+        );
+        fs::write(&phone, frame).unwrap();
+        let (title, log) = shown(&browser, &phone, "1200,900");
+        let expected = format!("shown {figures} of {figures}, excess 0, inside 0");
+        assert_eq!(title, expected, "{width} pixels: {log}");
     }
 }

@@ -101,7 +101,9 @@ fn all_files_are_written_and_returned() {
         "tables/ledger.tex",
         "tables/options.tex",
         "tables/summary.tex",
+        "tables/variants.tex",
         "teaching.csv",
+        "variants.csv",
     ];
     assert_eq!(names, expected);
     assert_eq!(content(results.path()).keys().collect::<Vec<_>>(), expected);
@@ -129,9 +131,107 @@ fn methods_are_summed_up_over_environments_that_all_share() {
     insta::assert_snapshot!("comparisons.csv", fs::read_to_string(report.join("comparisons.csv")).unwrap());
 }
 
+/// Leaves a copy of a protocol in the results.
+fn copy_protocol(results: &Path, name: &str, text: &str) {
+    let folder = layout::protocols_dir(results);
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join(name), text).unwrap();
+}
+
+#[test]
+fn only_results_of_the_papers_protocols_owe_it_something() {
+    let results = small_results();
+    let of_the_paper = |options: &ReportOptions| {
+        let written = reports::write(results.path(), options).unwrap();
+        written.missing.iter().filter(|line| line.contains("of the paper")).count()
+    };
+    assert_eq!(of_the_paper(&options()), 0, "made by nobody knows what");
+    copy_protocol(results.path(), "own.toml", "name = 'own'\ndescription = 'Of my own.'");
+    assert_eq!(of_the_paper(&options()), 0);
+    copy_protocol(results.path(), "paper.toml", "name = 'made-up paper'");
+    // Methods, environments and two ablations: RoomB has a level of n, but no other one beside it.
+    assert_eq!(of_the_paper(&options()), 5);
+    let part = ReportOptions { environments: vec!["RoomA".into()], ..options() };
+    assert_eq!(of_the_paper(&part), 0, "a part of the results");
+}
+
+#[test]
+fn reports_are_named_after_their_protocols_and_say_of_what_they_are() {
+    let results = small_results();
+    copy_protocol(results.path(), "a.toml", "name = 'rooms <&>'\ndescription = 'Two rooms.'\nseeds = [0]");
+    copy_protocol(results.path(), "a-2.toml", "name = 'rooms <&>'\ndescription = 'Two rooms.'\nseeds = [1]");
+    copy_protocol(results.path(), "b.toml", "name = 'second'");
+    copy_protocol(results.path(), "c.toml", "name = ");
+    let written = reports::write(results.path(), &options()).unwrap();
+    let report = layout::report_dir(results.path());
+    let read = |name: &str| fs::read_to_string(report.join(name)).unwrap();
+    assert!(
+        read("index.html").contains(
+            "<h1>rooms &lt;&amp;&gt;, second</h1>\n<p>Protocol rooms &lt;&amp;&gt;: Two rooms.</p>"
+        )
+    );
+    assert!(
+        read("summary.md").starts_with("# rooms \\<\\&\\>, second\n\nProtocol rooms"),
+        "{}",
+        read("summary.md")
+    );
+    let [problem] = &written.problems[..] else { panic!("{:?}", written.problems) };
+    assert!(problem.to_string().starts_with("protocols/c.toml: "), "{problem}");
+
+    let part = ReportOptions {
+        environments: vec!["RoomA".into()],
+        curricula: vec!["nova".into()],
+        title: Some("My rooms".into()),
+        zoom: true,
+        ..options()
+    };
+    let written = reports::write(results.path(), &part).unwrap();
+    assert_eq!(written.runs, 2);
+    let said = "Only the environments RoomA and the curricula nova: 2 of the 6 runs of the results.";
+    for text in [read("index.html"), read("summary.md")] {
+        assert!(text.contains(said) && text.contains("My rooms") && !text.contains("RoomB"), "{text}");
+    }
+    let missing = ReportOptions { curricula: vec!["nova".into(), "Nova".into()], ..options() };
+    let error = reports::write(results.path(), &missing).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "option curricula: no run of the results has Nova; accepted: dull, my|own *teacher*, nova"
+    );
+}
+
+#[test]
+fn the_report_says_what_each_variant_is() {
+    let results = TempDir::new().unwrap();
+    for (variants, seed) in
+        [(vec!["default", "n=3", "n=3,confidence=target-critic"], 0), (vec!["delta=1"], 1)]
+    {
+        let experiment = Experiment {
+            environments: vec!["RoomA".into(), "RoomB".into()],
+            curricula: vec!["nova".into()],
+            variants: variants.into_iter().map(String::from).collect(),
+            seeds: 2,
+            evaluations: 3,
+            seed,
+            ..Experiment::default()
+        };
+        experiment.write(results.path()).unwrap();
+    }
+    reports::write(results.path(), &options()).unwrap();
+    let report = layout::report_dir(results.path());
+    let expected = "variant,settings,curricula,environments\n\
+                    delta=1,nothing: the same as default,NOVA,\"RoomA, RoomB\"\n\
+                    n=3,curriculum.nova.window = 3 (10),NOVA,\"RoomA, RoomB\"\n\
+                    \"n=3,confidence=target-critic\",curriculum.nova.confidence = target-critic (online); \
+                    curriculum.nova.window = 3 (10),NOVA,\"RoomA, RoomB\"\n";
+    assert_eq!(fs::read_to_string(report.join("variants.csv")).unwrap(), expected);
+    let page = fs::read_to_string(report.join("index.html")).unwrap();
+    assert!(page.contains("<section id=\"variants\">") && page.contains("curriculum.nova.window = 3 (10)"));
+}
+
 #[test]
 fn what_is_missing_is_said() {
     let results = small_results();
+    copy_protocol(results.path(), "paper.toml", "name = 'made-up paper'");
     let missing = reports::write(results.path(), &options()).unwrap().missing;
     let expected = [
         "RoomA: NOVA (n=3) has no evaluation",

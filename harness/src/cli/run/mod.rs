@@ -14,8 +14,8 @@ use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::memory;
 use crate::outputs;
-use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
+use crate::protocol::{Protocol, copy};
 use crate::sweep::slurm::{self, Request};
 use crate::sweep::{Conduct, ExitCode, Job, Preparation, Prepared, Sweep, reporter};
 use summary::summarise;
@@ -171,6 +171,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     sweep.try_out(args.executor == Executor::Slurm)?;
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
+    copy::save(&protocol, &results)?;
     for line in sweep.begun_by_other_builds()? {
         complain(&format!("goalbench: {line}"));
     }

@@ -11,7 +11,9 @@ use std::sync::Arc;
 
 pub use environment::{EnvironmentInfo, MazeInfo};
 pub use methods::{MethodInfo, natural_order};
-pub use paper::{Axis, Claim, ClaimKind, ClaimScope, Deviation, Measure, Paper, ReadingChoice, Rule};
+pub use paper::{
+    Axis, Claim, ClaimKind, ClaimScope, Deviation, Measure, Paper, PaperProtocol, ReadingChoice, Rule,
+};
 
 /// Everything that a report is told about methods, environments and the paper that it sets results against.
 #[derive(Clone, Debug, Default, PartialEq)]

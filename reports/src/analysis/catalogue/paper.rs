@@ -12,6 +12,9 @@ pub struct Paper {
     pub control: Option<String>,
     /// Its environments, as environment ids. Where a task can be run under several ids, each of them counts.
     pub tasks: Vec<Vec<String>>,
+    /// Protocols that do what it did, or part of it. Only of their results it is said what they lack for being
+    /// the paper's.
+    pub protocols: Vec<PaperProtocol>,
     /// Where it shows its main comparison: `Figures 2 and 6`.
     pub figures: String,
     /// JSON pointer (RFC 6901) into a run's config: where the settings of its own method stand. Those of
@@ -50,6 +53,17 @@ impl Paper {
     }
 }
 
+/// A protocol that does what the paper did, or part of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PaperProtocol {
+    /// Its name.
+    pub name: String,
+    /// Whether it runs the paper's methods in the paper's environments.
+    pub comparison: bool,
+    /// [`Axis::id`] of the fields that it varies.
+    pub axes: Vec<String>,
+}
+
 /// A field of a run's config that the paper varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
@@ -65,6 +79,13 @@ pub struct Axis {
     pub symbol: String,
     /// The paper's own value as text, which the others are compared with.
     pub reference: String,
+}
+
+impl Axis {
+    /// A value of it as in legends: `n = 3`.
+    pub fn level(&self, value: &str) -> String {
+        format!("{} = {value}", self.symbol)
+    }
 }
 
 /// A claim of the paper as a statement that data can contradict.

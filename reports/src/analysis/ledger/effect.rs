@@ -33,6 +33,8 @@ pub struct Effect {
     /// Runs that count nowhere, in all environments: not finished, or not evaluated at the steps of the
     /// others.
     pub left_out: usize,
+    /// Runs that count although they failed, in all environments: 0 from their failure on.
+    pub failed: usize,
     /// Environments that are not judged: no seed of both sides, or different students. With the reason.
     pub not_judged: Vec<String>,
 }
@@ -163,6 +165,11 @@ impl Effect {
         if !self.not_judged.is_empty() {
             text += &format!("; not judged: {}", self.not_judged.join(", "));
         }
+        text += &match self.failed {
+            0 => String::new(),
+            1 => "; 1 failed run counts 0 from its failure on".to_owned(),
+            k => format!("; {k} failed runs count 0 from their failure on"),
+        };
         text + &match self.left_out {
             0 => String::new(),
             k => format!("; {} left out, not finished or with other evaluations", counted(k, "run")),
@@ -180,6 +187,7 @@ pub(super) fn effect(
 ) -> Effect {
     let mut places = Vec::new();
     let mut not_judged = Vec::new();
+    let mut failed = 0;
     for pair in pairs {
         let environment = &pair.a.key.environment;
         let unlike =
@@ -189,12 +197,15 @@ pub(super) fn effect(
             continue;
         }
         match PlaceEffect::of(environment, differences(pair, measure, options)) {
-            Some(place) => places.push(place),
+            Some(place) => {
+                places.push(place);
+                failed += pair.failed;
+            }
             None => not_judged.push(format!("{environment} (no seed of both)")),
         }
     }
     let left_out = pairs.iter().map(|pair| pair.left_out).sum();
-    Effect { left_out, not_judged, ..Effect::over(places, resampling) }
+    Effect { left_out, failed, not_judged, ..Effect::over(places, resampling) }
 }
 
 /// `a - b` for every seed that both have.

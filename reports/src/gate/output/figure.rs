@@ -6,7 +6,7 @@ use crate::analysis::curves::{Curve, DDOF, Point, Progress};
 use crate::analysis::group::GroupKey;
 use crate::gate::cells::Cell;
 use crate::gate::error::GateError;
-use crate::render::figure::{LearningPanel, learning};
+use crate::render::figure::{LearningPanel, Style, learning};
 use crate::stats;
 
 /// An SVG with a panel per cell, the cells of a curriculum side by side.
@@ -32,7 +32,7 @@ pub fn figure(check: &Check<'_>) -> Result<String, GateError> {
         .map(|(title, curves)| LearningPanel { title: title.clone(), curves: curves.iter().collect() })
         .collect();
     let keys = pairs.iter().flat_map(|(_, curves)| curves).map(|curve| &curve.key);
-    Ok(learning(&panels, keys, Progress::EnvironmentSteps)?)
+    Ok(learning(&panels, &Style::new(keys), Progress::EnvironmentSteps)?)
 }
 
 /// The mean curve of a cell, labelled as its `side`.

@@ -3,25 +3,23 @@
 use super::basis::Basis;
 use super::legend::Label;
 use super::page::Page;
-use super::palette::Palette;
-use super::panel::{Content, Mark, Series, XAxis};
+use super::panel::{self, Content, Mark, Series, XAxis};
+use super::style::Style;
 use super::ticks;
 use crate::analysis::efficiency::Efficiency;
-use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use crate::wording::counted;
 
-/// A figure of the sample-efficiency curves of all methods, as SVG. `keys` are those of the whole report,
-/// which settle the looks.
+/// A figure of the sample-efficiency curves of all methods, as SVG.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn efficiency<'a>(
+pub fn efficiency(
     curves: &[Efficiency<'_>],
     basis: &Basis<'_>,
-    keys: impl IntoIterator<Item = &'a GroupKey>,
+    style: &Style,
 ) -> Result<String, ReportError> {
-    let palette = Palette::new(keys);
+    let palette = &style.palette;
     let series = |curve: &Efficiency<'_>| {
         let band =
             |index: usize| curve.intervals.as_ref().and_then(|intervals| intervals.get(index).copied());
@@ -40,6 +38,7 @@ pub fn efficiency<'a>(
     } else {
         "no bands: single seeds in some environment".to_owned()
     };
+    let series: Vec<Series> = curves.iter().map(series).collect();
     Page {
         panels: vec![Content {
             title: format!("Sample efficiency, {}", counted(basis.environments, "environment")),
@@ -49,8 +48,8 @@ pub fn efficiency<'a>(
                 ticks: ticks::shares(),
                 label: ticks::share_label,
             },
-            y_name: "IQM of the success rate",
-            series: curves.iter().map(series).collect(),
+            y: panel::rates("IQM of the success rate", style, &series),
+            series,
         }],
         legend: curves.iter().map(|curve| (label(curve), palette.look(curve.method))).collect(),
         caption: format!(

@@ -5,9 +5,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::basis::Basis;
 use super::canvas::{self, FRAME, GRID, MARGIN, PAGE_WIDTH};
-use super::palette::Palette;
+use super::rates::RateAxis;
 use super::shapes::{self, Area, DrawResult};
-use super::{page, text, ticks};
+use super::style::Style;
+use super::{page, text};
 use crate::analysis::aggregate::Aggregate;
 use crate::analysis::group::GroupKey;
 use crate::analysis::improvement::Improvement;
@@ -36,7 +37,7 @@ type Estimate = (f64, Option<(f64, f64)>);
 /// One plot over all rows.
 struct Column {
     title: &'static str,
-    x_name: &'static str,
+    axis: RateAxis,
     /// A value to compare with: a line from top to bottom.
     reference: Option<f64>,
     estimates: Vec<Estimate>,
@@ -49,22 +50,14 @@ struct Forest {
     caption: String,
 }
 
-/// Interquartile mean and optimality gap of all methods, as SVG. `keys` are those of the whole report, which
-/// settle the looks.
+/// Interquartile mean and optimality gap of all methods, as SVG.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn aggregates<'a>(
-    rows: &[Aggregate<'_>],
-    basis: &Basis<'_>,
-    keys: impl IntoIterator<Item = &'a GroupKey>,
-) -> Result<String, ReportError> {
-    let palette = Palette::new(keys);
-    let column = |title, x_name, estimate: fn(&Aggregate<'_>) -> Estimate| Column {
-        title,
-        x_name,
-        reference: None,
-        estimates: rows.iter().map(estimate).collect(),
+pub fn aggregates(rows: &[Aggregate<'_>], basis: &Basis<'_>, style: &Style) -> Result<String, ReportError> {
+    let palette = &style.palette;
+    let column = |title, x_name, estimate: fn(&Aggregate<'_>) -> Estimate| {
+        Column::of(title, x_name, None, rows.iter().map(estimate).collect(), style)
     };
     Forest {
         rows: rows.iter().map(|row| (name(row.method), palette.look(row.method))).collect(),
@@ -79,27 +72,28 @@ pub fn aggregates<'a>(
     .draw()
 }
 
-/// Probabilities that the first method improves on each other one, as SVG. `keys` as for [`aggregates`].
+/// Probabilities that the first method, or a variant of it, improves on each other one, as SVG.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn improvements<'a>(
+pub fn improvements(
     rows: &[Improvement<'_>],
     basis: &Basis<'_>,
-    keys: impl IntoIterator<Item = &'a GroupKey>,
+    style: &Style,
 ) -> Result<String, ReportError> {
-    let palette = Palette::new(keys);
+    let palette = &style.palette;
     let label = |row: &Improvement<'_>| {
         format!("{} over {} [{}]", name(row.method), name(row.other), row.environments)
     };
     Forest {
         rows: rows.iter().map(|row| (label(row), palette.look(row.other))).collect(),
-        columns: vec![Column {
-            title: "Probability of improvement",
-            x_name: "P(a run scores above one of the other method)",
-            reference: Some(0.5),
-            estimates: rows.iter().map(|row| (row.probability, row.interval)).collect(),
-        }],
+        columns: vec![Column::of(
+            "Probability of improvement",
+            "P(a run scores above one of the other method)",
+            Some(0.5),
+            rows.iter().map(|row| (row.probability, row.interval)).collect(),
+            style,
+        )],
         caption: format!(
             "in brackets: environments that both methods have, in each the seeds that both have; {}",
             lines(basis)
@@ -114,6 +108,23 @@ fn name(key: &GroupKey) -> String {
 
 fn lines(basis: &Basis<'_>) -> String {
     format!("lines: {}; none where an environment has a single seed", basis.intervals())
+}
+
+impl Column {
+    fn of(
+        title: &'static str,
+        x_name: &str,
+        reference: Option<f64>,
+        estimates: Vec<Estimate>,
+        style: &Style,
+    ) -> Self {
+        let ends = |(value, interval): &Estimate| {
+            let (low, high) = interval.unwrap_or((*value, *value));
+            [low, *value, high]
+        };
+        let values = estimates.iter().flat_map(ends).chain(reference);
+        Self { title, axis: RateAxis::of(x_name, style.zoom, values), reference, estimates }
+    }
 }
 
 impl Forest {
@@ -150,28 +161,32 @@ impl Forest {
     fn draw_column(&self, root: &Area<'_>, column: &Column, at: (i32, i32), size: (i32, i32)) -> DrawResult {
         let ((left, top), (width, height)) = (at, size);
         let bottom = top + height;
-        let x = |share: f64| left + (share.clamp(0.0, 1.0) * f64::from(width)).round() as i32;
+        let RateAxis { low, high, ref ticks, ref name, .. } = column.axis;
+        let x = |share: f64| {
+            let inside = (share.clamp(low, high) - low) / (high - low);
+            left + (inside * f64::from(width)).round() as i32
+        };
         let above = Pos::new(HPos::Center, VPos::Bottom);
         let below = Pos::new(HPos::Center, VPos::Top);
         let centre = left + width / 2;
         root.draw_text(column.title, &text::style(TITLE).pos(above), (centre, top - 12))?;
-        for tick in ticks::shares() {
+        for &tick in ticks {
             canvas::segment(root, (x(tick), top), (x(tick), bottom), GRID.stroke_width(2))?;
-            let label = ticks::share_label(tick);
+            let label = column.axis.label(tick);
             root.draw_text(&label, &text::style(TICK).pos(below), (x(tick), bottom + 10))?;
         }
         let name_style = text::style(LABEL).pos(below);
-        root.draw_text(column.x_name, &name_style, (centre, bottom + TICKS_HEIGHT))?;
+        root.draw_text(name, &name_style, (centre, bottom + TICKS_HEIGHT))?;
         if let Some(reference) = column.reference {
             canvas::segment(root, (x(reference), top), (x(reference), bottom), FRAME.stroke_width(3))?;
         }
         canvas::segment(root, (left, bottom), (left + width, bottom), FRAME.stroke_width(3))?;
         for (index, ((value, interval), (_, look))) in (0..).zip(column.estimates.iter().zip(&self.rows)) {
             let y = top + index * ROW_HEIGHT + ROW_HEIGHT / 2;
-            if let Some((low, high)) = *interval {
+            if let Some((from, to)) = *interval {
                 let solid = Look { dash: looks::Dash::Solid, ..*look };
-                shapes::line(root, &[(x(low), y), (x(high), y)], solid)?;
-                for end in [x(low), x(high)] {
+                shapes::line(root, &[(x(from), y), (x(to), y)], solid)?;
+                for end in [x(from), x(to)] {
                     shapes::line(root, &[(end, y - CAP), (end, y + CAP)], solid)?;
                 }
             }

@@ -8,8 +8,9 @@ use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, text};
 use crate::analysis::catalogue::MazeInfo;
-use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, PHASES};
+use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, HeatPhase, MazeHeat, PHASES};
 use crate::error::ReportError;
+use crate::render::table::cells::thousands;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -25,28 +26,33 @@ const BLOCK_GAP: i32 = 60;
 const BAR_HEIGHT: i32 = 28;
 const BAR_WIDTH: i32 = 460;
 const BAR_LABEL_HEIGHT: i32 = 44;
+const REASON_HEIGHT: i32 = 44;
 
-const WALL: RGBColor = RGBColor(120, 120, 120);
-/// A free cell that too few goals lay in, where rates are shown.
+/// Darker than all of [`SCALE`], in grey too.
+const WALL: RGBColor = RGBColor(20, 20, 20);
+/// A free cell without a colour: no goal lay there, or too few for a rate.
 const UNSEEN: RGBColor = RGBColor(255, 255, 255);
 
 /// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the
-/// colours of viridis, by Smith and van der Walt 2015, from its light end).
-const SCALE: [(u8, u8, u8); 6] =
-    [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84)];
+/// colours of viridis, by Smith and van der Walt 2015, from its light end; its dark end would look like
+/// walls).
+const SCALE: [(u8, u8, u8); 5] =
+    [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135)];
 
 /// The heat maps of the methods run in one maze, as SVG.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn heat(maze: &MazeInfo, maps: &[HeatMap]) -> Result<String, ReportError> {
-    Sheet::new(maze, maps).draw()
+pub fn heat(heat: &MazeHeat<'_>) -> Result<String, ReportError> {
+    Sheet::new(heat).draw()
 }
 
 /// The layout: two blocks of three maps per row.
 struct Sheet<'a> {
     maze: &'a MazeInfo,
     maps: &'a [HeatMap],
+    /// Training steps whose thirds are shown.
+    end: u64,
     /// Width of a cell of the maze in pixels.
     cell: i32,
     /// Highest share of goals in a cell: the end of its colour scale.
@@ -54,11 +60,11 @@ struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    fn new(maze: &'a MazeInfo, maps: &'a [HeatMap]) -> Self {
+    fn new(MazeHeat { maze, end, maps }: &'a MazeHeat<'a>) -> Self {
         let room = PAGE_WIDTH - 2 * MARGIN - LABEL_WIDTH - 4 * GAP - BLOCK_GAP;
         let cell = (room / (6 * maze.side() as i32)).max(1);
         let shares = maps.iter().flat_map(|map| &map.phases).flat_map(|phase| phase.shares());
-        Self { maze, maps, cell, most: shares.fold(f64::MIN_POSITIVE, f64::max) }
+        Self { maze, maps, end: *end, cell, most: shares.fold(f64::MIN_POSITIVE, f64::max) }
     }
 
     fn map_side(&self) -> i32 {
@@ -75,14 +81,7 @@ impl<'a> Sheet<'a> {
         text::register()?;
         let top = MARGIN + TITLE_HEIGHT + PHASE_HEIGHT;
         let bars_top = top + self.maps.len() as i32 * (self.map_side() + GAP);
-        let caption = page::caption_lines(
-            &format!(
-                "{}: goals of training episodes and the success rate at them (with exploration noise), by third of \
-                 training, all seeds; grey: walls, white: fewer than {FEWEST_EPISODES} goals lay there",
-                text::printable(&self.maze.id)
-            ),
-            PAGE_WIDTH,
-        )?;
+        let caption = page::caption_lines(&text::printable(&self.caption()), PAGE_WIDTH)?;
         let caption_top = bars_top + BAR_HEIGHT + BAR_LABEL_HEIGHT + GAP;
         let label_style = text::style(LABEL).pos(Pos::new(HPos::Left, VPos::Center));
         let mut labels = Vec::with_capacity(self.maps.len());
@@ -103,6 +102,38 @@ impl<'a> Sheet<'a> {
         })
     }
 
+    /// What the maps show, and of what.
+    fn caption(&self) -> String {
+        let partly = self.maps.iter().filter(|map| map.runs.0 < map.runs.1);
+        let runs: Vec<String> =
+            partly.map(|map| format!("{}: {} of {} runs", map.key.name(), map.runs.0, map.runs.1)).collect();
+        let seeds = match &runs[..] {
+            [] => "all seeds".to_owned(),
+            runs => format!(
+                "all seeds, but only those with a record of what their teacher did ({})",
+                runs.join(", ")
+            ),
+        };
+        format!(
+            "{}: training episodes (with exploration noise) by thirds of {} training steps, in each the episodes that ended \
+             there; {seeds}. Black: walls. Left: share of the third's goals, white where none lay. Right: success rate, white \
+             where fewer than {FEWEST_EPISODES} goals lay. Empty maps say why.",
+            self.maze.id,
+            thousands(self.end),
+        )
+    }
+
+    /// Why the map of goals of the third `index` and the one of success are empty, where they are.
+    fn reasons(&self, map: &HeatMap, index: usize, phase: &HeatPhase) -> [Option<&'static str>; 2] {
+        let begin = (u128::from(self.end) * index as u128 / 3) as u64;
+        if phase.total() == 0 {
+            let why = if map.reached <= begin { "not trained so far" } else { "no episode ended here" };
+            return [Some(why); 2];
+        }
+        let has_rate = phase.rates().iter().any(Option::is_some);
+        [None, (!has_rate).then_some("too few goals in each cell")]
+    }
+
     fn draw_titles(&self, root: &Area<'_>) -> DrawResult {
         let above = Pos::new(HPos::Center, VPos::Bottom);
         for (block, title) in [(0, "Where the teacher sent the student"), (1, "Where the student succeeded")]
@@ -121,11 +152,18 @@ impl<'a> Sheet<'a> {
     }
 
     fn draw_row(&self, root: &Area<'_>, map: &HeatMap, top: i32) -> DrawResult {
-        for (index, phase) in (0..).zip(&map.phases) {
+        for (index, phase) in map.phases.iter().enumerate() {
+            let [no_goals, no_rates] = self.reasons(map, index, phase);
+            let index = index as i32;
             let shares: Vec<Option<f64>> =
                 phase.shares().into_iter().map(|share| (share > 0.0).then_some(share / self.most)).collect();
-            self.draw_map(root, &shares, (self.left(0, index), top))?;
-            self.draw_map(root, &phase.rates(), (self.left(1, index), top))?;
+            for (block, values, reason) in [(0, shares, no_goals), (1, phase.rates(), no_rates)] {
+                let at = (self.left(block, index), top);
+                self.draw_map(root, &values, at)?;
+                if let Some(reason) = reason {
+                    self.draw_reason(root, reason, at)?;
+                }
+            }
         }
         Ok(())
     }
@@ -149,6 +187,17 @@ impl<'a> Sheet<'a> {
         self.draw_start(root, values, at)?;
         let opposite = (at.0 + self.map_side(), at.1 + self.map_side());
         root.draw(&Rectangle::new([at, opposite], FRAME.stroke_width(2)))
+    }
+
+    /// Why a map is empty, across its middle.
+    fn draw_reason(&self, root: &Area<'_>, reason: &str, at: (i32, i32)) -> DrawResult {
+        let style = text::style(TICK).pos(Pos::new(HPos::Center, VPos::Center));
+        let side = self.map_side();
+        let middle = (at.0 + side / 2, at.1 + side / 2);
+        let strip =
+            [(at.0 + 1, middle.1 - REASON_HEIGHT / 2), (at.0 + side - 1, middle.1 + REASON_HEIGHT / 2)];
+        root.draw(&Rectangle::new(strip, WHITE.filled()))?;
+        root.draw_text(reason, &style, middle)
     }
 
     /// The letter in the start cell, in black or white.
@@ -200,16 +249,41 @@ pub(super) fn scale(value: f64) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
+    use crate::analysis::group::GroupKey;
+
+    /// Relative luminance, Rec. 709 weights.
+    fn grey(RGBColor(r, g, b): RGBColor) -> f64 {
+        0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+    }
 
     #[test]
-    fn the_scale_darkens_steadily() {
-        // Relative luminance, Rec. 709 weights.
-        let grey = |value: f64| {
-            let RGBColor(r, g, b) = scale(value);
-            0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
-        };
-        let greys: Vec<f64> = (0..=100).map(|i| grey(f64::from(i) / 100.0)).collect();
+    fn the_scale_darkens_steadily_between_white_and_walls() {
+        let greys: Vec<f64> = (0..=100).map(|i| grey(scale(f64::from(i) / 100.0))).collect();
         assert!(greys.windows(2).all(|pair| pair[1] <= pair[0]), "{greys:?}");
-        assert_eq!(scale(0.1), RGBColor(188, 220, 59));
+        assert!(greys[0] < grey(UNSEEN) - 25.0 && greys[100] > grey(WALL) + 25.0, "{greys:?}");
+        assert_eq!(scale(0.125), RGBColor(188, 220, 59));
+    }
+
+    #[test]
+    fn empty_maps_say_why() {
+        let maze = MazeInfo { id: "M".into(), grid: ["..", ".S"].map(String::from).to_vec() };
+        let key = GroupKey::new(&Catalogue::default(), "M", "nova", "default");
+        let phase = |episodes: [u32; 4]| HeatPhase { episodes: episodes.to_vec(), successes: vec![0; 4] };
+        let phases = [phase([9, 1, 0, 0]), phase([4, 4, 4, 4]), phase([0; 4])];
+        let map = HeatMap { key, runs: (1, 2), reached: 60, phases };
+        let heat = MazeHeat { maze: &maze, end: 90, maps: vec![map] };
+        let sheet = Sheet::new(&heat);
+        let reasons = |index: usize| sheet.reasons(&heat.maps[0], index, &heat.maps[0].phases[index]);
+        assert_eq!(reasons(0), [None, None]);
+        assert_eq!(reasons(1), [None, Some("too few goals in each cell")]);
+        assert_eq!(reasons(2), [Some("not trained so far"); 2]);
+        let caption = sheet.caption();
+        assert!(
+            caption.contains("thirds of 90 training steps") && caption.contains("nova: 1 of 2 runs"),
+            "{caption}"
+        );
+        let svg = super::heat(&heat).unwrap();
+        assert!(svg.contains("not trained so far") && svg.contains("too few goals in each cell"));
     }
 }

@@ -4,7 +4,8 @@ use super::legend::Label;
 use super::page::Page;
 use super::palette::Palette;
 use super::panel::{Content, Mark, Series, XAxis};
-use super::{caption, ticks};
+use super::style::Style;
+use super::{caption, panel, ticks};
 use crate::analysis::curves::{Curve, Point, Progress};
 use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
@@ -28,38 +29,40 @@ pub fn by_environment<'a>(curves: &[&'a Curve]) -> Vec<LearningPanel<'a>> {
     curves.chunk_by(|a, b| a.key.environment == b.key.environment).map(panel).collect()
 }
 
-/// A figure of learning curves against `progress`, as SVG. `keys` are those of all curves of the report,
-/// which settle the looks: a curriculum has the same colour in every figure. Points without a place on the
-/// axis are left out.
+/// A figure of learning curves against `progress`, as SVG. Points without a place on the axis are left out.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn learning<'a>(
+pub fn learning(
     panels: &[LearningPanel<'_>],
-    keys: impl IntoIterator<Item = &'a GroupKey>,
+    style: &Style,
     progress: Progress,
 ) -> Result<String, ReportError> {
-    sheet(panels, &Palette::new(keys), progress)
+    sheet(panels, &Drawn { style, look: Palette::look }, progress)
 }
 
-/// As [`learning`] against environment steps, of the levels of an ablation: the variant `plain`, the default
-/// setting, has the look of its curriculum.
+/// As [`learning`] against environment steps, of the levels of an ablation, which stand in the place of
+/// variants.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn ablation<'a>(
-    panels: &[LearningPanel<'_>],
-    keys: impl IntoIterator<Item = &'a GroupKey>,
-    plain: &'a str,
-) -> Result<String, ReportError> {
-    sheet(panels, &Palette::around(keys, plain), Progress::EnvironmentSteps)
+pub fn ablation(panels: &[LearningPanel<'_>], style: &Style) -> Result<String, ReportError> {
+    sheet(panels, &Drawn { style, look: Palette::level }, Progress::EnvironmentSteps)
 }
 
-fn sheet(
-    panels: &[LearningPanel<'_>],
-    palette: &Palette<'_>,
-    progress: Progress,
-) -> Result<String, ReportError> {
+/// How curves are drawn.
+struct Drawn<'a> {
+    style: &'a Style,
+    look: fn(&Palette, &GroupKey) -> Look,
+}
+
+impl Drawn<'_> {
+    fn look(&self, curve: &Curve) -> Look {
+        (self.look)(&self.style.palette, &curve.key)
+    }
+}
+
+fn sheet(panels: &[LearningPanel<'_>], drawn: &Drawn<'_>, progress: Progress) -> Result<String, ReportError> {
     // Narrow panels have room for fewer tick labels.
     let most_ticks = if panels.len() > 2 { 4 } else { 6 };
     let curves: Vec<&Curve> = panels.iter().flat_map(|panel| panel.curves.iter().copied()).collect();
@@ -69,8 +72,8 @@ fn sheet(
         caption.push_str("; time: mean over seeds, evaluations included");
     }
     Page {
-        panels: panels.iter().map(|panel| content(panel, palette, progress, most_ticks, unit)).collect(),
-        legend: legend(&curves, panels.len(), palette),
+        panels: panels.iter().map(|panel| content(panel, drawn, progress, most_ticks, unit)).collect(),
+        legend: legend(&curves, panels.len(), drawn),
         caption,
     }
     .draw()
@@ -84,20 +87,21 @@ fn last(curves: &[&Curve], progress: Progress) -> f64 {
 
 fn content(
     panel: &LearningPanel<'_>,
-    palette: &Palette<'_>,
+    drawn: &Drawn<'_>,
     progress: Progress,
     most_ticks: u64,
     unit: TimeUnit,
 ) -> Content {
     let series = |curve: &&Curve| Series {
         marks: curve.points.iter().filter_map(|point| mark(point, progress)).collect(),
-        look: palette.look(&curve.key),
+        look: drawn.look(curve),
     };
+    let series: Vec<Series> = panel.curves.iter().map(series).collect();
     Content {
         title: panel.title.clone(),
         x: axis(progress, last(&panel.curves, progress), most_ticks, unit),
-        y_name: "Success rate",
-        series: panel.curves.iter().map(series).collect(),
+        y: panel::rates("Success rate", drawn.style, &series),
+        series,
     }
 }
 
@@ -155,7 +159,7 @@ fn mark(point: &Point, progress: Progress) -> Option<Mark> {
 
 /// Every curriculum and variant among the curves once, in order. Where the numbers of seeds differ, and each
 /// label stands for one curve, labels say how many there are.
-fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label, Look)> {
+fn legend(curves: &[&Curve], panels: usize, drawn: &Drawn<'_>) -> Vec<(Label, Look)> {
     let mut methods: Vec<&Curve> = curves.to_vec();
     methods.sort_by(|a, b| a.key.cmp_method(&b.key));
     methods.dedup_by(|a, b| a.key.cmp_method(&b.key).is_eq());
@@ -167,7 +171,7 @@ fn legend(curves: &[&Curve], panels: usize, palette: &Palette<'_>) -> Vec<(Label
         }
         Label { title: curve.key.curriculum.title.clone(), detail }
     };
-    methods.iter().map(|curve| (label(curve), palette.look(&curve.key))).collect()
+    methods.iter().map(|curve| (label(curve), drawn.look(curve))).collect()
 }
 
 #[cfg(test)]

@@ -21,7 +21,9 @@ mod palette;
 mod panel;
 mod profile;
 mod raster;
+mod rates;
 mod shapes;
+mod style;
 mod text;
 mod ticks;
 
@@ -33,6 +35,7 @@ pub use heat::heat;
 pub use learning::{LearningPanel, ablation, by_environment, learning};
 pub use numbers::numbers;
 pub use outline::outlined;
-pub use palette::FALLBACK;
+pub use palette::{FALLBACK, Palette};
 pub use profile::profiles;
 pub use raster::png;
+pub use style::Style;

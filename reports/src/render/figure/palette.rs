@@ -1,11 +1,18 @@
 //! Which look each curve of a report gets.
+//!
+//! Looks are settled once for a whole report: a method, a variant or a level of an ablation has the same one
+//! in every figure, and no two of them share one.
 
+use std::collections::BTreeMap;
+
+use crate::analysis::catalogue::MethodInfo;
 use crate::analysis::group::GroupKey;
+use crate::analysis::levels::LevelVariant;
 use looks::colours::{GREY, ORANGE, SKY_BLUE};
 use looks::{Dash, Look, Marker, Rgb};
 
-/// Looks of curricula without one of their own, taken in the order of legends and reused from the start when
-/// used up.
+/// Looks of curricula without one of their own, taken in the order of legends. Where they are used up, or
+/// somebody has brought the same, looks are varied until they are nobody's.
 pub static FALLBACK: &[Look] = &[
     Look::new(ORANGE, Dash::Solid, Marker::Square),
     Look::new(SKY_BLUE, Dash::Long, Marker::Triangle),
@@ -15,79 +22,159 @@ pub static FALLBACK: &[Look] = &[
 ];
 
 /// Dash patterns in the order in which variants of one curriculum take them.
-const DASHES: [Dash; 4] = [Dash::Solid, Dash::Long, Dash::Short, Dash::Dotted];
+const DASHES: [Dash; 6] = [Dash::Solid, Dash::Long, Dash::Short, Dash::Dotted, Dash::DashDot, Dash::Sparse];
 /// Markers in the order in which variants of one curriculum take them.
 const MARKERS: [Marker; 6] =
     [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Cross, Marker::Wedge];
-/// Share of black mixed into the first variant's colour, and of white into the last one's.
-const DARKEST: f64 = 0.45;
-const LIGHTEST: f64 = 0.45;
+/// Shades of variants: the share of black mixed into the first one's colour (below 0), and of white into the
+/// last one's. Black has no darker shade.
+const SHADES: (f64, f64) = (-0.45, 0.45);
+const SHADES_OF_BLACK: (f64, f64) = (0.25, 0.6);
+/// A colour is black here whose channels are all below this.
+const BLACKEST: u8 = 48;
+/// Colours that differ by less in every channel look the same.
+const ONE_COLOUR: u8 = 40;
 
 /// The looks of all curves of a report: one hue per curriculum, and for its variants shades from dark to
 /// light with dashes and markers of their own.
-#[derive(Debug)]
-pub(super) struct Palette<'a> {
-    /// One key for each curriculum and variant, in their order; the environment means nothing here.
-    methods: Vec<&'a GroupKey>,
-    /// The variant that has the plain look of its curriculum.
-    plain: &'a str,
+#[derive(Clone, Debug)]
+pub struct Palette {
+    /// Looks by curriculum id and variant.
+    variants: BTreeMap<(String, String), Look>,
+    /// Looks by curriculum id and level of an ablation.
+    levels: BTreeMap<(String, String), Look>,
 }
 
-impl<'a> Palette<'a> {
+impl Palette {
     /// A palette for curves with these keys.
-    pub(super) fn new(keys: impl IntoIterator<Item = &'a GroupKey>) -> Self {
-        Self::around(keys, "default")
+    pub fn new<'a>(keys: impl IntoIterator<Item = &'a GroupKey>) -> Self {
+        Self::with_levels(keys, &[])
     }
 
-    /// A palette in which the variant `plain` has the look that the table gives its curriculum, and no other
-    /// has.
-    pub(super) fn around(keys: impl IntoIterator<Item = &'a GroupKey>, plain: &'a str) -> Self {
+    /// The same, with levels of ablations: one that a variant stands for has that variant's look.
+    pub fn with_levels<'a>(keys: impl IntoIterator<Item = &'a GroupKey>, levels: &[LevelVariant]) -> Self {
         let mut methods: Vec<&GroupKey> = keys.into_iter().collect();
         methods.sort_by(|a, b| a.cmp_method(b));
         methods.dedup_by(|a, b| a.cmp_method(b).is_eq());
-        Self { methods, plain }
+        let by_curriculum: Vec<&[&GroupKey]> =
+            methods.chunk_by(|a, b| a.curriculum == b.curriculum).collect();
+        let mut taken = Vec::new();
+        let bases = bases(by_curriculum.iter().map(|keys| &*keys[0].curriculum), &mut taken);
+        let mut palette = Self { variants: BTreeMap::new(), levels: BTreeMap::new() };
+        for (keys, base) in by_curriculum.into_iter().zip(bases) {
+            palette.add(keys, levels, base, &mut taken);
+        }
+        palette
     }
 
-    /// The look of a curve.
-    pub(super) fn look(&self, key: &GroupKey) -> Look {
-        let base = key.curriculum.look.unwrap_or_else(|| self.fallback(key));
-        if key.variant == self.plain {
-            return base;
+    /// The variants of one curriculum, and the levels of its ablations.
+    fn add(&mut self, keys: &[&GroupKey], levels: &[LevelVariant], base: Look, taken: &mut Vec<Look>) {
+        let id = keys[0].curriculum.id.as_str();
+        let levels = || levels.iter().filter(|level| level.curriculum == id);
+        let plain = plain(keys, levels());
+        let others = keys.iter().map(|key| key.variant.as_str()).filter(|variant| Some(*variant) != plain);
+        let own: Vec<&LevelVariant> = levels().filter(|level| level.variant.is_none()).collect();
+        let count = others.clone().count() + own.len();
+        let mut varied = (0..count).map(|index| {
+            let look = free(shade(base.colour, index, count), index + 1, taken);
+            taken.push(look);
+            look
+        });
+        let known: Vec<(&str, Look)> =
+            plain.map(|variant| (variant, base)).into_iter().chain(others.zip(&mut varied)).collect();
+        for (level, look) in own.into_iter().zip(varied) {
+            self.levels.insert((id.to_owned(), level.name.clone()), look);
         }
-        let same = |other: &&&GroupKey| other.curriculum == key.curriculum && other.variant != self.plain;
-        let variants: Vec<&&GroupKey> = self.methods.iter().filter(same).collect();
-        let has_default =
-            variants.len() < self.methods.iter().filter(|o| o.curriculum == key.curriculum).count();
-        match variants.iter().position(|other| other.variant == key.variant) {
-            Some(index) if variants.len() > 1 || has_default => {
-                varied(base, index, variants.len(), has_default)
+        for level in levels() {
+            let stands = |(variant, _): &&(&str, Look)| level.variant.as_deref() == Some(*variant);
+            if let Some((_, look)) = known.iter().find(stands) {
+                self.levels.insert((id.to_owned(), level.name.clone()), *look);
             }
-            _ => base,
         }
+        self.variants
+            .extend(known.into_iter().map(|(variant, look)| ((id.to_owned(), variant.to_owned()), look)));
     }
 
-    /// The look of a curriculum that has none of its own.
-    fn fallback(&self, key: &GroupKey) -> Look {
-        let mut free: Vec<_> = self.methods.iter().map(|other| &other.curriculum).collect();
-        free.retain(|method| method.look.is_none());
-        free.dedup();
-        let index = free.iter().position(|method| **method == key.curriculum).unwrap_or(0);
-        FALLBACK[index % FALLBACK.len()]
+    /// The look of a curve whose key the palette was made with.
+    pub fn look(&self, key: &GroupKey) -> Look {
+        let found = self.variants.get(&(key.curriculum.id.clone(), key.variant.clone()));
+        found.copied().or(key.curriculum.look).unwrap_or(FALLBACK[0])
+    }
+
+    /// The look of a level of an ablation, which stands in the place of the key's variant.
+    pub(super) fn level(&self, key: &GroupKey) -> Look {
+        let found = self.levels.get(&(key.curriculum.id.clone(), key.variant.clone()));
+        found.copied().unwrap_or_else(|| self.look(key))
     }
 }
 
-/// The look of variant `index` of `count`, `beside` the plain look of the default or on their own.
-fn varied(base: Look, index: usize, count: usize, beside: bool) -> Look {
-    // An even number of tones, none of which is the plain one in the middle: that is the default's alone.
+/// The variant that has the plain look of its curriculum: `default`, or what an ablation has in its place, or
+/// the only one there is.
+fn plain<'a>(keys: &[&'a GroupKey], levels: impl Iterator<Item = &'a LevelVariant>) -> Option<&'a str> {
+    let mut variants = keys.iter().map(|key| key.variant.as_str());
+    let references = levels.filter(|level| level.is_reference && level.variant.is_some());
+    let reference =
+        references.min_by_key(|level| level.deviations).and_then(|level| level.variant.as_deref());
+    variants.clone().find(|variant| *variant == "default").or(reference).or_else(|| {
+        let first = variants.next();
+        first.filter(|_| variants.next().is_none())
+    })
+}
+
+/// The plain look of every curriculum: its own, unless that is taken.
+fn bases<'a>(methods: impl Iterator<Item = &'a MethodInfo> + Clone, taken: &mut Vec<Look>) -> Vec<Look> {
+    let own = methods.clone().map(|method| {
+        let look = method.look.filter(|look| taken.iter().all(|other| differences(look, other) > 0))?;
+        taken.push(look);
+        Some(look)
+    });
+    let own: Vec<Option<Look>> = own.collect();
+    let mut next = 0..;
+    let other = |look: Option<Look>| {
+        look.unwrap_or_else(|| {
+            let spare = FALLBACK.iter().find(|look| taken.iter().all(|other| differences(look, other) > 0));
+            let index: usize = next.next().unwrap_or(0);
+            let hue = FALLBACK[index % FALLBACK.len()].colour;
+            let look = spare.copied().unwrap_or_else(|| free(hue, index, taken));
+            taken.push(look);
+            look
+        })
+    };
+    own.into_iter().map(other).collect()
+}
+
+/// In how many of colour, dashes and marker two looks differ.
+fn differences(a: &Look, b: &Look) -> usize {
+    let channels = [(a.colour.0, b.colour.0), (a.colour.1, b.colour.1), (a.colour.2, b.colour.2)];
+    let is_other_colour = channels.iter().any(|(a, b)| a.abs_diff(*b) >= ONE_COLOUR);
+    [is_other_colour, a.dash != b.dash, a.marker != b.marker].into_iter().filter(|differs| *differs).count()
+}
+
+/// A look of this colour that differs from all `taken` ones in two things, or else in one, and from all that
+/// can be told apart no longer at least as far as numbers go. Dashes and markers are tried from number
+/// `index` on.
+fn free(colour: Rgb, index: usize, taken: &[Look]) -> Look {
+    let candidates = (0..DASHES.len() * MARKERS.len()).map(|shift| Look {
+        colour,
+        dash: DASHES[(index + shift) % DASHES.len()],
+        marker: MARKERS[(index + shift + shift / DASHES.len()) % MARKERS.len()],
+    });
+    let apart = |fewest: usize| {
+        candidates.clone().find(|look| taken.iter().all(|other| differences(look, other) >= fewest))
+    };
+    let unequal = || candidates.clone().find(|look| !taken.contains(look));
+    let first = Look { colour, dash: DASHES[index % DASHES.len()], marker: MARKERS[index % MARKERS.len()] };
+    apart(2).or_else(|| apart(1)).or_else(unequal).unwrap_or(first)
+}
+
+/// The colour of variant `index` of `count`.
+fn shade(base: Rgb, index: usize, count: usize) -> Rgb {
+    let is_black = [base.0, base.1, base.2].iter().all(|channel| *channel < BLACKEST);
+    let (first, last) = if is_black { SHADES_OF_BLACK } else { SHADES };
+    // An even number of tones, none of which is the plain one in the middle.
     let tones = count.next_multiple_of(2);
-    let position = index as f64 / (tones - 1) as f64;
-    let tone = (DARKEST + LIGHTEST) * position - DARKEST;
-    let colour =
-        if tone < 0.0 { mix(base.colour, (0, 0, 0), -tone) } else { mix(base.colour, (255, 255, 255), tone) };
-    let index = index + usize::from(beside);
-    let dash = DASHES[index % DASHES.len()];
-    let marker = MARKERS[index % MARKERS.len()];
-    Look { colour, dash, marker }
+    let tone = first + (last - first) * index as f64 / (tones - 1) as f64;
+    if tone < 0.0 { mix(base, (0, 0, 0), -tone) } else { mix(base, (255, 255, 255), tone) }
 }
 
 /// `a (1 - share) + b share`, per channel.
@@ -99,13 +186,37 @@ fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::catalogue::{Catalogue, MethodInfo};
+    use crate::analysis::catalogue::Catalogue;
 
     const LOOK: Look = Look::new((213, 94, 0), Dash::Solid, Marker::Circle);
+    const BLACK: Look = Look::new((0, 0, 0), Dash::Dotted, Marker::Cross);
 
     fn key(environment: &str, curriculum: &str, variant: &str) -> GroupKey {
-        let catalogue = Catalogue::of([MethodInfo::new("nova", "NOVA", Some(LOOK))]);
+        let catalogue = Catalogue::of([
+            MethodInfo::new("nova", "NOVA", Some(LOOK)),
+            MethodInfo::new("dull", "DULL", Some(BLACK)),
+            MethodInfo::new("copy", "Copy", Some(LOOK)),
+        ]);
         GroupKey::new(&catalogue, environment, curriculum, variant)
+    }
+
+    fn level(name: &str, variant: Option<&str>, is_reference: bool) -> LevelVariant {
+        LevelVariant {
+            curriculum: "nova".into(),
+            name: name.into(),
+            variant: variant.map(str::to_owned),
+            deviations: 0,
+            is_reference,
+        }
+    }
+
+    fn all_differ(palette: &Palette, keys: &[GroupKey]) {
+        for (index, key) in keys.iter().enumerate() {
+            for other in &keys[..index] {
+                let (a, b) = (palette.look(key), palette.look(other));
+                assert!(differences(&a, &b) > 0, "{} and {}: {a:?}", key.name(), other.name());
+            }
+        }
     }
 
     #[test]
@@ -134,23 +245,57 @@ mod tests {
     fn the_default_keeps_the_look_of_the_table_beside_its_variants() {
         let keys = ["default", "n=3", "n=5", "n=20"].map(|variant| key("A", "nova", variant));
         let palette = Palette::new(&keys);
-        let looks = keys.each_ref().map(|key| palette.look(key));
-        assert_eq!(looks[0], LOOK);
-        assert!(
-            looks[1..].iter().all(|look| look.colour != looks[0].colour && look.marker != looks[0].marker)
-        );
+        assert_eq!(palette.look(&keys[0]), LOOK);
+        assert!(keys[1..].iter().all(|key| palette.look(key).colour != LOOK.colour));
+        all_differ(&palette, &keys);
     }
 
     #[test]
-    fn the_plain_look_is_the_default_settings_alone() {
-        let keys = ["Δ = 1", "Δ = 2", "Δ = 5", "Δ = 10"].map(|variant| key("A", "nova", variant));
-        let colours = |palette: &Palette<'_>| keys.each_ref().map(|key| palette.look(key).colour);
-        let palette = Palette::around(&keys, "Δ = 1");
-        assert_eq!(palette.look(&keys[0]), LOOK);
-        assert!(colours(&palette)[1..].iter().all(|colour| *colour != LOOK.colour));
-        // Nor does a level have it where the default was not run.
-        let without = Palette::around(&keys[1..], "Δ = 1");
-        assert!(keys[1..].iter().all(|key| without.look(key).colour != LOOK.colour));
+    fn a_level_looks_like_the_variant_that_stands_for_it() {
+        let keys = ["n3", "n5", "n10", "n20"].map(|variant| key("A", "nova", variant));
+        let levels = [
+            level("n = 10", Some("n10"), true),
+            level("n = 3", Some("n3"), false),
+            level("n = 4", None, false),
+        ];
+        let palette = Palette::with_levels(&keys, &levels);
+        assert_eq!(palette.look(&keys[2]), LOOK, "the paper's own value, without a default");
+        let of_level = |name: &str| palette.level(&key("B", "nova", name));
+        assert_eq!((of_level("n = 10"), of_level("n = 3")), (LOOK, palette.look(&keys[0])));
+        assert!(keys.iter().all(|key| differences(&palette.look(key), &of_level("n = 4")) > 0));
+        // A default that was run is plainer than any level.
+        let with_default = [key("A", "nova", "default"), key("A", "nova", "n10")];
+        let palette = Palette::with_levels(&with_default, &levels[..1]);
+        assert_eq!(palette.look(&with_default[0]), LOOK);
+        assert_ne!(palette.level(&key("A", "nova", "n = 10")), LOOK);
+    }
+
+    #[test]
+    fn a_variant_of_a_black_method_is_not_black() {
+        for count in 1..8 {
+            let variants = (0..count).map(|index| key("A", "dull", &format!("v{index}")));
+            let keys: Vec<GroupKey> = [key("A", "dull", "default")].into_iter().chain(variants).collect();
+            let palette = Palette::new(&keys);
+            assert_eq!(palette.look(&keys[0]), BLACK);
+            for key in &keys[1..] {
+                assert!(
+                    palette.look(key).colour.0 >= ONE_COLOUR && differences(&palette.look(key), &BLACK) > 1
+                );
+            }
+            all_differ(&palette, &keys);
+        }
+    }
+
+    #[test]
+    fn no_two_of_many_share_a_look() {
+        // Twelve unknown methods, one that brings another's look, and thirty variants.
+        let mut keys: Vec<GroupKey> =
+            (0..12).map(|index| key("A", &format!("own{index}"), "default")).collect();
+        keys.extend(["nova", "dull", "copy"].map(|id| key("A", id, "default")));
+        for id in ["nova", "dull", "own3"] {
+            keys.extend((0..10).map(|index| key("A", id, &format!("v{index}"))));
+        }
+        all_differ(&Palette::new(&keys), &keys);
     }
 
     #[test]

@@ -6,8 +6,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Axis;
 use super::canvas::{FRAME, GRID};
+use super::rates::RateAxis;
 use super::shapes::{self, Area, DrawResult};
-use super::{text, ticks};
+use super::style::Style;
+use super::text;
 use crate::error::ReportError;
 use looks::Look;
 
@@ -25,7 +27,7 @@ const Y_TICKS_WIDTH: i32 = 74;
 /// Half of the last tick's label sticks out by less than this.
 const RIGHT_MARGIN: i32 = 44;
 
-/// Room above 1 and below 0, so that curves at the limits do not hide in the frame.
+/// Room above and below, as a share of the y axis, so that curves at the limits do not hide in the frame.
 const Y_ROOM: f64 = 0.04;
 /// Markers per curve, about.
 const MARKERS: usize = 6;
@@ -59,9 +61,16 @@ pub(super) struct XAxis {
 pub(super) struct Content {
     pub(super) title: String,
     pub(super) x: XAxis,
-    pub(super) y_name: &'static str,
+    pub(super) y: RateAxis,
     /// The most important first: it is drawn on top.
     pub(super) series: Vec<Series>,
+}
+
+/// The axis of rates of a panel with these lines, bands included.
+pub(super) fn rates(name: &str, style: &Style, series: &[Series]) -> RateAxis {
+    let marks = || series.iter().flat_map(|line| &line.marks);
+    let edges = marks().filter_map(|mark| mark.band).flat_map(|(low, high)| [low, high]);
+    RateAxis::of(name, style.zoom, marks().map(|mark| mark.y).chain(edges))
 }
 
 /// A panel in its place.
@@ -104,13 +113,14 @@ impl Panel<'_> {
         }
         if self.name_y {
             let style = text::style(AXIS).transform(FontTransform::Rotate270).pos(above);
-            root.draw_text(self.content.y_name, &style, (left, plot_middle))?;
+            root.draw_text(&self.content.y.name, &style, (left, plot_middle))?;
         }
         Ok(())
     }
 
     fn draw_plot(&self, root: &Area<'_>) -> DrawResult {
-        let Content { x, series, .. } = self.content;
+        let Content { x, y: rates, series, .. } = self.content;
+        let room = Y_ROOM * (rates.high - rates.low);
         let (left, top) = self.at;
         let plot: DrawingArea<_, Shift> = root
             .clone()
@@ -120,7 +130,7 @@ impl Panel<'_> {
             .x_label_area_size(X_TICKS_HEIGHT)
             .build_cartesian_2d(
                 Axis { range: 0.0..x.end, ticks: x.ticks.clone() },
-                Axis { range: -Y_ROOM..1.0 + Y_ROOM, ticks: ticks::shares() },
+                Axis { range: rates.low - room..rates.high + room, ticks: rates.ticks.clone() },
             )?;
         chart
             .configure_mesh()
@@ -129,9 +139,9 @@ impl Panel<'_> {
             .axis_style(FRAME.stroke_width(3))
             .label_style(text::style(TICK))
             .x_label_formatter(&|&tick| (x.label)(tick))
-            .y_label_formatter(&|&tick| ticks::share_label(tick))
+            .y_label_formatter(&|&tick| rates.label(tick))
             .draw()?;
-        let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y.clamp(0.0, 1.0)));
+        let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y.clamp(rates.low, rates.high)));
         for line in series.iter().rev() {
             draw_bands(root, line, &pixel)?;
         }

@@ -3,25 +3,19 @@
 use super::basis::Basis;
 use super::legend::Label;
 use super::page::Page;
-use super::palette::Palette;
-use super::panel::{Content, Mark, Series, XAxis};
+use super::panel::{self, Content, Mark, Series, XAxis};
+use super::style::Style;
 use super::ticks;
 use crate::analysis::aggregate::Profile;
-use crate::analysis::group::GroupKey;
 use crate::error::ReportError;
 use crate::wording::counted;
 
-/// A figure of the profiles of all methods, as SVG. `keys` are those of the whole report, which settle the
-/// looks.
+/// A figure of the profiles of all methods, as SVG.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn profiles<'a>(
-    profiles: &[Profile<'_>],
-    basis: &Basis<'_>,
-    keys: impl IntoIterator<Item = &'a GroupKey>,
-) -> Result<String, ReportError> {
-    let palette = Palette::new(keys);
+pub fn profiles(profiles: &[Profile<'_>], basis: &Basis<'_>, style: &Style) -> Result<String, ReportError> {
+    let palette = &style.palette;
     let series = |profile: &Profile<'_>| {
         let bands: Vec<Option<(f64, f64)>> = match &profile.intervals {
             Some(intervals) => intervals.iter().copied().map(Some).collect(),
@@ -39,12 +33,13 @@ pub fn profiles<'a>(
     };
     let x =
         XAxis { name: "Final success rate τ", end: 1.0, ticks: ticks::shares(), label: ticks::share_label };
+    let series: Vec<Series> = profiles.iter().map(series).collect();
     Page {
         panels: vec![Content {
             title: format!("Performance profiles, {}", counted(basis.environments, "environment")),
             x,
-            y_name: "Share of runs above τ",
-            series: profiles.iter().map(series).collect(),
+            y: panel::rates("Share of runs above τ", style, &series),
+            series,
         }],
         legend: profiles.iter().map(|profile| (label(profile), palette.look(profile.method))).collect(),
         caption: caption(profiles, basis),

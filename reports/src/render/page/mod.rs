@@ -48,17 +48,19 @@ impl PageSection {
 
 const STYLE: &str = include_str!("style.css");
 
-/// The page of these sections.
-pub fn html(mut sections: Vec<PageSection>) -> String {
+/// The page of these sections, with what stands above them.
+pub fn html(title: &str, lines: &[String], mut sections: Vec<PageSection>) -> String {
+    let title = html_escape(title);
+    let lines: String = lines.iter().map(|line| format!("<p>{}</p>\n", html_escape(line))).collect();
     sections.retain(|section| !section.body.is_empty());
     let links: String = sections.iter().map(PageSection::link).collect();
     let bodies: String = sections.iter().map(PageSection::html).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Automatic curricula, compared</title>\n\
+         <title>{title}</title>\n\
          <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <header><h1>Automatic curricula, compared</h1>\n<nav><ul>{links}</ul></nav></header>\n\
+         <header><h1>{title}</h1>\n{lines}<nav><ul>{links}</ul></nav></header>\n\
          <main>\n{bodies}</main>\n</body>\n</html>\n"
     )
 }

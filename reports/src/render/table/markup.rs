@@ -56,12 +56,9 @@ impl Table {
     /// An HTML `table`, its caption below.
     pub fn html(&self) -> String {
         let class = |align| if align == Align::Text { "text" } else { "number" };
-        let is_prose = (0..self.columns.len()).any(|column| self.is_prose(column));
-        // Narrow screens show a row of prose as a card, each cell below its title.
-        let kind = if is_prose { " class=\"prose\"" } else { "" };
-        let label =
-            |title| if is_prose { format!(" data-title=\"{}\"", html_escape(title)) } else { String::new() };
-        let mut text = format!("<figure class=\"table\"><div class=\"scroll\"><table{kind}>\n<thead><tr>");
+        // Narrow screens show a row as a card, each cell beside its title.
+        let label = |title| format!(" data-title=\"{}\"", html_escape(title));
+        let mut text = "<figure class=\"table\"><div class=\"scroll\"><table>\n<thead><tr>".to_owned();
         for (title, align) in &self.columns {
             text += &format!("<th scope=\"col\" class=\"{}\">{}</th>", class(*align), html_escape(title));
         }
@@ -139,7 +136,7 @@ mod tests {
     fn names_cannot_break_a_table() {
         let table = table();
         assert!(table.markdown().ends_with("| --- | ---: |\n| a\\|b\\_\\<i\\> | 0.50 ± 0.10 |\n"));
-        assert!(table.html().contains("<td class=\"text\">a|b_&lt;i&gt;</td>"));
+        assert!(table.html().contains("<td class=\"text\" data-title=\"Name\">a|b_&lt;i&gt;</td>"));
         assert_eq!(markdown_escape("a|b\n*c*"), "a\\|b\u{fffd}\\*c\\*");
         assert_eq!(html_escape("\"'&\u{7}"), "&quot;&#39;&amp;\u{fffd}");
     }
