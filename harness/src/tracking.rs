@@ -8,7 +8,7 @@
 //! [TFRecord]: https://www.tensorflow.org/tutorials/load_data/tfrecord
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};

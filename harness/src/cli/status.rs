@@ -55,11 +55,6 @@ fn count(runs: &[RunStatus], activity: Activity) -> usize {
     runs.iter().filter(|run| run.activity == activity).count()
 }
 
-/// `seconds` for people; a file may tell of more than there ever will be.
-fn time(seconds: f64) -> String {
-    Duration::try_from_secs_f64(seconds).map_or("?".to_owned(), human)
-}
-
 fn as_text(runs: &[RunStatus]) -> String {
     let mut text = format!(
         "{:<52} {:<9} {:>17} {:>8} {:>8} {:>8}\n",

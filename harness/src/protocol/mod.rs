@@ -14,6 +14,7 @@ use toml::Table;
 use crate::Registry;
 use crate::config::layer::{ConfigLayer, Document, Origin, merge};
 use crate::config::strict::FieldError;
+use crate::config::words::short;
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
 use header::{Header, Seeds, WrittenPatch, WrittenVariant};

@@ -73,7 +73,7 @@ fn files_of_a_run() {
         for run in store.runs() {
             drop(reports::store::teaching(folder.path(), run));
         }
-        let states = status(folder.path()).expect("a results folder");
+        let states = status(folder.path()).expect("a results folder").runs;
         if bad != good && is_found(name) {
             let told = |text: &str| text.contains(name);
             let noticed = store.problems().iter().any(|problem| told(&problem.to_string()));

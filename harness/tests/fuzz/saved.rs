@@ -64,9 +64,9 @@ fn checkpoints() {
     let folder = copy(stopped());
     let run = folder.path().join(RUN);
     let path = run.join(CHECKPOINT);
-    let hash = read_manifest(&run).expect("a manifest").0.hash;
+    let manifest = read_manifest(&run).expect("a manifest").0;
     let good = fs::read(&path).expect("a checkpoint");
-    let sound = checkpoint::read(&run, &hash).expect("a sound checkpoint").expect("it is there");
+    let sound = checkpoint::read(&run, &manifest).expect("a sound checkpoint").expect("it is there");
     let inputs = prop_oneof![
         damages().prop_map(Attack::Bytes),
         damages().prop_map(Attack::Sealed),
@@ -79,7 +79,7 @@ fn checkpoints() {
             Attack::Student(damages) => other_student(&good, sound.trainer.student(), damages),
         };
         fs::write(&path, &bad).expect("it can be written");
-        match checkpoint::read(&run, &hash) {
+        match checkpoint::read(&run, &manifest) {
             Err(error) => assert!(error.to_string().contains(CHECKPOINT), "{error}"),
             Ok(read) => {
                 let read = read.expect("it is there");
@@ -87,7 +87,8 @@ fn checkpoints() {
                 go_on(&run, &read);
                 checkpoint::write(&run, &read).expect("it can be written");
                 let written = fs::read(&path).expect("it was written");
-                let again = checkpoint::read(&run, &hash).expect("what was written").expect("it is there");
+                let again =
+                    checkpoint::read(&run, &manifest).expect("what was written").expect("it is there");
                 checkpoint::write(&run, &again).expect("it can be written");
                 assert_eq!(fs::read(&path).expect("it was written"), written);
             }
@@ -100,9 +101,9 @@ fn replay_logs() {
     let folder = copy(stopped());
     let run = folder.path().join(RUN);
     let path = run.join(REPLAY).join("episodes-0.bin");
-    let hash = read_manifest(&run).expect("a manifest").0.hash;
+    let manifest = read_manifest(&run).expect("a manifest").0;
     let good = fs::read(&path).expect("a replay log");
-    let sound = checkpoint::read(&run, &hash).expect("a sound checkpoint").expect("it is there");
+    let sound = checkpoint::read(&run, &manifest).expect("a sound checkpoint").expect("it is there");
     fuzz("replay", 100, &damages(), |damages| {
         fs::write(&path, damaged(&good, &damages)).expect("it can be written");
         go_on(&run, &sound);

@@ -1,7 +1,7 @@
 //! Numbers over training that are drawn on request, and those of teachers among them.
 
 use super::files::file_name;
-use super::{Artefact, Drawing, Section};
+use super::{Artefact, Drawing, Section, style};
 use crate::analysis::numbers::{self, NumberPlots};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
@@ -26,13 +26,14 @@ pub(super) fn drawings(
     if !analysis.options.diagnostics {
         return Ok(Vec::new());
     }
+    let style = style(analysis);
     let mut drawings = Vec::new();
     for (index, plots) in plots(analysis).iter().enumerate() {
         drawings.push(Drawing {
             name: format!("{id}-{}", file_name(&plots.environment, index)),
             title: format!("{}: {what}", plots.environment),
             environment: Some(plots.environment.clone()),
-            svg: figure::numbers(plots, analysis.groups.keys(), caption)?,
+            svg: figure::numbers(plots, &style.palette, caption)?,
         });
     }
     Ok(drawings)

@@ -18,8 +18,8 @@ use crate::render::table::{self, markdown_escape};
 use crate::store::Store;
 use crate::store::layout;
 use crate::store::problem::StoreProblem;
-use crate::wording::counted;
 use crate::store::protocols;
+use crate::wording::counted;
 
 /// What a report consists of.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,9 +112,7 @@ fn markdown(
     let mut text = format!("# {}\n\n", markdown_escape(&heading.title));
     text.extend(heading.lines.iter().map(|line| format!("{}\n\n", markdown_escape(line))));
     let (evaluations, runs) = (counted(evaluations, "evaluation"), counted(runs, "run"));
-    text += &format!(
-        "{evaluations} of {runs}.\n\n![Success rate over training](figures/grid.png)\n"
-    );
+    text += &format!("{evaluations} of {runs}.\n\n![Success rate over training](figures/grid.png)\n");
     let mut last = super::RESULTS;
     for (artefact, sheet) in shown(made) {
         if let Section::Named { title, .. } = artefact.section

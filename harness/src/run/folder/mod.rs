@@ -65,9 +65,9 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
     if is_other && !has_begun(&run) && !is_locked(folder) {
         return Ok(State::New);
     }
+    let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
     if found.config != wanted.config && shorter.is_none() {
-        let differences = differences(&found.config, &wanted.config);
-        return Err(HarnessError::OtherConfig { folder: folder.to_owned(), differences });
+        return Err(other(differences(&found.config, &wanted.config)));
     }
     manifest::config(&found).map_err(damaged)?;
     if let Some(differences) = manifest::other_curriculum(&found, wanted) {

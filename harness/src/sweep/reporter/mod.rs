@@ -42,7 +42,6 @@ pub fn json(out: impl Fn(&str) + Sync + 'static) -> Box<dyn Reporter> {
     Box::new(json::Json { out })
 }
 
-
 /// How a run ended, in words.
 fn ending_text(ending: &Ending) -> String {
     use reports::schema::Outcome;

@@ -31,21 +31,16 @@ const ROOM: f64 = 0.06;
 /// Markers per curve, about.
 const MARKERS: usize = 6;
 
-/// The numbers of one environment, as SVG. `keys` are those of all curves of the report, which settle the
-/// looks; `what` says in the caption what the numbers are.
+/// The numbers of one environment, as SVG, with the report's looks; `what` says in the caption what the
+/// numbers are.
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn numbers<'a>(
-    plots: &NumberPlots,
-    keys: impl IntoIterator<Item = &'a GroupKey>,
-    what: &str,
-) -> Result<String, ReportError> {
+pub fn numbers(plots: &NumberPlots, palette: &Palette, what: &str) -> Result<String, ReportError> {
     text::register()?;
-    let palette = Palette::new(keys);
     let columns = plots.plots.len().clamp(1, COLUMNS) as i32;
     let width = (PAGE_WIDTH - 2 * MARGIN) / COLUMNS as i32 * columns + 2 * MARGIN;
-    let legend = Legend::new(&entries(plots, &palette), width - 2 * MARGIN)?;
+    let legend = Legend::new(&entries(plots, palette), width - 2 * MARGIN)?;
     let caption = page::caption_lines(&caption_of(plots, what), width)?;
     let height = TITLE_HEIGHT + PLOT_HEIGHT + X_TICKS_HEIGHT;
     let rows = plots.plots.len().div_ceil(columns as usize) as i32;
@@ -60,7 +55,7 @@ pub fn numbers<'a>(
             let at = (MARGIN + index % columns * size.0, MARGIN + index / columns * (height + GAP));
             let title = text::shorten(&plot.name, &text::style(TITLE), size.0 - Y_TICKS_WIDTH)?;
             Panel { plot, end, at, size }
-                .draw(root, &title, &palette)
+                .draw(root, &title, palette)
                 .map_err(ReportError::figure(&plot.name))?;
         }
         let name = text::style(TITLE).pos(Pos::new(HPos::Center, VPos::Top));
@@ -75,7 +70,7 @@ fn points<'a>(plots: impl Iterator<Item = &'a NumberPlot>) -> impl Iterator<Item
 }
 
 /// Every method with a curve, once.
-fn entries(plots: &NumberPlots, palette: &Palette<'_>) -> Vec<(Label, looks::Look)> {
+fn entries(plots: &NumberPlots, palette: &Palette) -> Vec<(Label, looks::Look)> {
     let mut keys: Vec<&GroupKey> =
         plots.plots.iter().flat_map(|plot| &plot.curves).map(|curve| &curve.key).collect();
     keys.sort_by(|a, b| a.cmp_method(b));
@@ -105,7 +100,7 @@ struct Panel<'a> {
 }
 
 impl Panel<'_> {
-    fn draw(&self, root: &Area<'_>, title: &str, palette: &Palette<'_>) -> DrawResult {
+    fn draw(&self, root: &Area<'_>, title: &str, palette: &Palette) -> DrawResult {
         let (left, top) = self.at;
         let centre = left + (Y_TICKS_WIDTH + self.size.0 - RIGHT_MARGIN) / 2;
         let above = Pos::new(HPos::Center, VPos::Bottom);
@@ -159,7 +154,7 @@ fn range(curves: &[NumberCurve]) -> (f64, f64) {
 fn draw_bands(
     root: &Area<'_>,
     curve: &NumberCurve,
-    palette: &Palette<'_>,
+    palette: &Palette,
     pixel: &impl Fn(f64, f64) -> (i32, i32),
 ) -> DrawResult {
     for run in curve.points.chunk_by(|a, b| a.std.is_some() == b.std.is_some()) {
@@ -179,7 +174,7 @@ fn draw_bands(
 fn draw_line(
     root: &Area<'_>,
     curve: &NumberCurve,
-    palette: &Palette<'_>,
+    palette: &Palette,
     phase: f64,
     pixel: &impl Fn(f64, f64) -> (i32, i32),
 ) -> DrawResult {
