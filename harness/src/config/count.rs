@@ -10,8 +10,8 @@ pub const ACCEPTED: &str = "a whole number such as 100000, 1e5 or 100k";
 /// (thousand) and `M` (million).
 ///
 /// # Errors
-/// What is wrong, with what is accepted: for anything else, for what is not whole, and for what is larger than
-/// a count can be.
+/// What is wrong, with what is accepted: for anything else, for what is not whole, and for what is too large
+/// for a count.
 pub fn parse(text: &str) -> Result<u64, String> {
     let wrong = || format!("`{text}` is not a count; accepted: {ACCEPTED}");
     let plain = text.trim().replace('_', "");

@@ -1,4 +1,4 @@
-//! Checks a value against a JSON schema before it is read: which keys there are, and of which type values are.
+//! Checks a value against a JSON schema before it is read: which keys there are, and of which types.
 //!
 //! Ranges are left to those who own the fields; here they are only told to a user who gave no number at all.
 
