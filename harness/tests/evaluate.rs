@@ -50,7 +50,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, (Vec<u8>, std::time::SystemTime)> {
 fn one_by_one(folder: &Path, episodes: u64, seed: u64) -> (u64, f64) {
     agents::prepare_thread();
     let (manifest, config) = folder::read_manifest(folder).expect("a manifest");
-    let saved = checkpoint::read(folder, &manifest.hash).expect("a sound checkpoint").expect("a checkpoint");
+    let saved = checkpoint::read(folder, &manifest).expect("a sound checkpoint").expect("a checkpoint");
     let mut env = envs::make("Point", &envs::EnvOptions::default()).expect("a built-in environment");
     // Weights of another seed: none of them may be left.
     let mut agent = agents::make(&config.student, env.spec(), 77).expect("a student");
@@ -144,7 +144,7 @@ fn all_runs_of_an_environment_meet_the_same_episodes() {
     toy(results, &["--seeds", "0"]);
     let source = run(results, "teach", 0);
     let (mut manifest, _) = folder::read_manifest(&source).expect("a manifest");
-    let mut saved = checkpoint::read(&source, &manifest.hash).expect("sound").expect("a checkpoint");
+    let mut saved = checkpoint::read(&source, &manifest).expect("sound").expect("a checkpoint");
     manifest.run.curriculum = "her-iid".into();
     manifest.run.seed = 9;
     manifest.hash = manifest_hash(&manifest.run, &manifest.config);
