@@ -115,7 +115,7 @@ fn commands_have_folders_named_after_what_they_ask_for() {
     }
     let found = names(&here.join("results"));
     assert_eq!(found.len(), 3, "{found:?}");
-    assert!(found.iter().all(|name| name.starts_with("Point_teach_budget.steps=")), "{found:?}");
+    assert!(found.iter().all(|name| name.starts_with("Point_her-iid+teach_budget.steps=")), "{found:?}");
     assert!(found.iter().any(|name| name.contains("student.her_k=0")), "{found:?}");
 }
 
