@@ -45,8 +45,8 @@ fn other_seeds_with_another_config_are_refused_and_leave_nothing() {
     assert!(!seed(folder.path(), 2).exists());
     // An unfinished run and a failed one have a config as well.
     for outcome in [None, Some(r#"{"status":"failed","step":100,"reason":"x"}"#)] {
-        for number in [0, 1] {
-            let file = seed(folder.path(), number).join(layout::OUTCOME);
+        for run in Results::new(folder.path()).runs().expect("a results folder") {
+            let file = run.file(layout::OUTCOME);
             match outcome {
                 Some(outcome) => fs::write(&file, outcome).expect("it can be written"),
                 None => fs::remove_file(&file).expect("it is there"),

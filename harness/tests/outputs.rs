@@ -15,10 +15,6 @@ use std::process::{Command, Output};
 use reports::store::layout;
 use support::{TOY, goalbench, stderr, stdout, toy, toy_args};
 
-fn path(path: &Path) -> &str {
-    path.to_str().expect("a test path is UTF-8")
-}
-
 /// Runs goalbench in the working folder `folder`.
 fn within(folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
