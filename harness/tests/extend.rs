@@ -95,8 +95,8 @@ fn an_evaluation_that_only_the_smaller_budget_had_stays() {
         let records = RunFolder::new(&runs(results)[0]).records().expect("records");
         records.iter().map(|record| record.step).collect()
     };
-    assert_eq!(steps(long.path()), [0, 300, 600, 800]);
-    assert_eq!(steps(short.path()), [0, 300, 400, 600, 800]);
+    assert_eq!(steps(long.path()), [0, 320, 600, 800]);
+    assert_eq!(steps(short.path()), [0, 320, 400, 600, 800]);
     // Training is the same all the same: the goals of all episodes, in order.
     let goals = |results: &Path| -> Vec<Vec<f32>> {
         let teaching = RunFolder::new(&runs(results)[0]).teaching().expect("teaching");

@@ -7,7 +7,7 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::store::layout;
+use reports::store::{Results, layout};
 use support::{goalbench, stderr, stdout, toy, toy_args};
 
 /// Another config of the same cell.
@@ -42,11 +42,11 @@ fn other_seeds_with_another_config_are_refused_and_leave_nothing() {
     {
         assert!(stderr(&output).contains(part), "expected {part:?} in {}", stderr(&output));
     }
-    assert!(!seed(folder.path(), 2).exists() && !folder.path().join("runs/Point/her-iid").exists());
+    assert!(!seed(folder.path(), 2).exists());
     // An unfinished run and a failed one have a config as well.
     for outcome in [None, Some(r#"{"status":"failed","step":100,"reason":"x"}"#)] {
-        for number in [0, 1] {
-            let file = seed(folder.path(), number).join(layout::OUTCOME);
+        for run in Results::new(folder.path()).runs().expect("a results folder") {
+            let file = run.file(layout::OUTCOME);
             match outcome {
                 Some(outcome) => fs::write(&file, outcome).expect("it can be written"),
                 None => fs::remove_file(&file).expect("it is there"),
@@ -55,9 +55,8 @@ fn other_seeds_with_another_config_are_refused_and_leave_nothing() {
         let output = goalbench(&toy_args(folder.path(), &[&["--seeds", "2"][..], &OTHER].concat()));
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     }
-    // The same config is welcome, and so is another one of another cell.
-    toy(folder.path(), &["--curriculum", "teach", "--seeds", "2"]);
-    toy(folder.path(), &[&["--curriculum", "her-iid", "--seeds", "3"][..], &OTHER].concat());
+    // The same config is welcome.
+    toy(folder.path(), &["--seeds", "2"]);
 }
 
 #[test]
@@ -89,9 +88,9 @@ fn report_and_evaluate_name_the_odd_ones_and_average_over_the_others() {
 fn a_run_that_never_began_blocks_no_other_config() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     toy(folder.path(), &["--curriculum", "teach"]);
-    // As a sweep leaves a run that it was stopped before: with its manifest alone.
-    for number in [0, 1] {
-        for entry in fs::read_dir(seed(folder.path(), number)).expect("a run's folder") {
+    // As a sweep leaves runs that it was stopped before: with their manifests alone.
+    for run in Results::new(folder.path()).runs().expect("a results folder") {
+        for entry in fs::read_dir(run.path()).expect("a run's folder") {
             let file = entry.expect("it can be read").path();
             if file.is_dir() {
                 fs::remove_dir_all(&file).expect("it can be removed");

@@ -15,10 +15,6 @@ use std::process::{Command, Output};
 use reports::store::layout;
 use support::{TOY, goalbench, stderr, stdout, toy, toy_args};
 
-fn path(path: &Path) -> &str {
-    path.to_str().expect("a test path is UTF-8")
-}
-
 /// Runs goalbench in the working folder `folder`.
 fn within(folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
@@ -115,7 +111,7 @@ fn commands_have_folders_named_after_what_they_ask_for() {
     }
     let found = names(&here.join("results"));
     assert_eq!(found.len(), 3, "{found:?}");
-    assert!(found.iter().all(|name| name.starts_with("Point_teach_budget.steps=")), "{found:?}");
+    assert!(found.iter().all(|name| name.starts_with("Point_her-iid+teach_budget.steps=")), "{found:?}");
     assert!(found.iter().any(|name| name.contains("student.her_k=0")), "{found:?}");
 }
 
