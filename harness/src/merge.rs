@@ -200,10 +200,13 @@ fn sweep(parent: &Path) {
         let name = entry.file_name();
         let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX)).unwrap_or_default();
         let is_named = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
-        if is_named && entry.file_type().is_ok_and(|kind| kind.is_dir()) && holds_runs_alone(&entry.path()) {
-            if let Ok(_lock) = Lock::take(&entry.path()) {
-                let _ = fs::remove_dir_all(entry.path());
-            }
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_named
+            && is_folder
+            && holds_runs_alone(&entry.path())
+            && let Ok(_lock) = Lock::take(&entry.path())
+        {
+            let _ = fs::remove_dir_all(entry.path());
         }
     }
 }
