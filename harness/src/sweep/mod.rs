@@ -98,6 +98,7 @@ impl Sweep {
     pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
         let lock = Lock::take(&self.results)?;
         // What earlier sweeps left half-written when they were killed.
+        guard::fresh::sweep(&self.results);
         self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
         for job in &mut self.jobs {
             job.state = folder::inspect(&job.folder, &job.manifest)?;
