@@ -46,9 +46,9 @@ struct Copies {
 
 /// Copies the runs of all `sources` into the new folder `out`, which appears complete or not at all.
 ///
-/// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config, and
-/// their records must agree as far as both go; the one that has come further is taken, of equal ones that with
-/// a checkpoint and more timings.
+/// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config,
+/// and their records must agree as far as both go; the one that has come further is taken, of equal ones that
+/// with a checkpoint and more timings.
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming

@@ -139,7 +139,8 @@ fn complain_of(error: &HarnessError) {
     complain(&format!("goalbench: {}", chain(error)));
 }
 
-/// Writes to standard output, where control characters from files and names are shown and not obeyed. A reader that went away (`| head`) is no error.
+/// Writes to standard output, where control characters from files and names are shown and not obeyed. A
+/// reader that went away (`| head`) is no error.
 fn print(text: &str) {
     let _ = std::io::stdout().write_all(shown(text).as_bytes());
 }
