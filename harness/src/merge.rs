@@ -47,9 +47,9 @@ struct Copies {
 
 /// Copies the runs of all `sources` into the new folder `out`, which appears complete or not at all.
 ///
-/// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config, and
-/// their records must agree as far as both go; the one that has come further is taken, of equal ones that with
-/// a checkpoint and more timings.
+/// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config,
+/// and their records must agree as far as both go; the one that has come further is taken, of equal ones that
+/// with a checkpoint and more timings.
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
@@ -206,10 +206,13 @@ fn sweep(parent: &Path) {
         let name = entry.file_name();
         let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX)).unwrap_or_default();
         let is_named = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
-        if is_named && entry.file_type().is_ok_and(|kind| kind.is_dir()) && holds_runs_alone(&entry.path()) {
-            if let Ok(_lock) = Lock::take(&entry.path()) {
-                let _ = fs::remove_dir_all(entry.path());
-            }
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_named
+            && is_folder
+            && holds_runs_alone(&entry.path())
+            && let Ok(_lock) = Lock::take(&entry.path())
+        {
+            let _ = fs::remove_dir_all(entry.path());
         }
     }
 }

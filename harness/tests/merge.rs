@@ -57,7 +57,8 @@ fn shares_of_a_sweep_become_one_folder_that_can_be_gone_on_with() {
     assert!(stdout(&status).contains("8 runs: 8 finished"), "{}", stdout(&status));
 }
 
-/// What a merge of `sources` in both orders says on standard error; it must succeed with the run of seed 1 whole.
+/// What a merge of `sources` in both orders says on standard error; it must succeed with the run of seed 1
+/// whole.
 fn merged_whole(folder: &Path, sources: [&Path; 2], name: &str) -> String {
     let mut said = String::new();
     for (order, [first, second]) in [sources, [sources[1], sources[0]]].into_iter().enumerate() {

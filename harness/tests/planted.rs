@@ -81,7 +81,7 @@ fn no_input_file_may_be_a_pipe() {
     pipe(&traces.join("a.json.gz"));
     let out = folder.path().join("out");
     for (args, code) in [
-        (&["run", "--protocol", text(&protocol), "--out", text(&out)][..], 2),
+        (&["run", text(&protocol), "--out", text(&out)][..], 2),
         (&["regress", "check", "--baseline", text(&protocol)], 2),
         (&["verify", text(&traces)], 1),
     ] {

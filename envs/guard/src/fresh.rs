@@ -43,7 +43,8 @@ pub fn file(folder: &Path) -> io::Result<NamedTempFile> {
 /// Renames the complete `file` to `path`, in place of the file or link there.
 ///
 /// # Errors
-/// If it cannot be renamed; [`ErrorKind::InvalidData`] if a device or anything else lies there that is no file.
+/// If it cannot be renamed; [`ErrorKind::InvalidData`] if a device or anything else lies there that is no
+/// file.
 pub fn put(file: NamedTempFile, path: &Path) -> io::Result<File> {
     // To go through a link is to look where it leads: `/dev/stdout` is one.
     match fs::metadata(path) {

@@ -131,6 +131,7 @@ impl Sweep {
         self.look()?;
         cell::forget_unbegun(&self.results, &self.jobs)?;
         // What earlier sweeps left half-written when they were killed.
+        guard::fresh::sweep(&self.results);
         self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
         let mut lacks = Vec::new();
         for job in &mut self.jobs {

@@ -24,15 +24,15 @@ pub struct Sound {
     pub has_checkpoint: bool,
 }
 
-/// Reads all files of the run in `folder` that results and a resume rest on, and changes nothing. Nobody may be
-/// carrying it out meanwhile.
+/// Reads all files of the run in `folder` that results and a resume rest on, and changes nothing. Nobody may
+/// be carrying it out meanwhile.
 ///
 /// Of a run that has ended, records must have the checksums that they ended with. Of one that may go on, they
 /// must go on from the checkpoint, and the replay log must hold every episode that the checkpoint needs.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`], [`HarnessError::Manifest`] or [`HarnessError::Store`] naming the first file that
-/// is not what was written.
+/// [`HarnessError::Damaged`], [`HarnessError::Manifest`] or [`HarnessError::Store`] naming the first file
+/// that is not what was written.
 pub fn check(folder: &Path) -> Result<Sound, HarnessError> {
     let run = RunFolder::new(folder);
     let (manifest, config) = read_manifest(folder)?;

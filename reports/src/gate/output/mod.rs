@@ -124,6 +124,7 @@ pub fn json(check: &Check<'_>) -> Value {
 /// [`GateError`] if a file cannot be written or the figure not be drawn.
 pub fn write(check: &Check<'_>, folder: &Path) -> Result<Vec<PathBuf>, GateError> {
     fs::create_dir_all(folder).map_err(StoreError::io(folder, "create this folder"))?;
+    guard::fresh::sweep(folder);
     let svg = figure(check)?;
     let files = [
         (JSON, format!("{:#}\n", json(check)).into_bytes()),
