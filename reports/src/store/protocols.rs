@@ -36,15 +36,15 @@ pub fn protocols(results: &Path) -> (Vec<ProtocolCopy>, Vec<StoreProblem>) {
             Ok(copy) => found.push(copy),
             Err(fault) => {
                 let path = path.strip_prefix(results).unwrap_or(&path).to_owned();
-                problems.push(StoreProblem { path, line: None, fault });
+                problems.push(StoreProblem { path, line: None, fault: *fault });
             }
         }
     }
     (found, problems)
 }
 
-fn read(path: &Path) -> Result<ProtocolCopy, Fault> {
-    let unreadable = |reason: String| Fault::Unreadable { reason };
+fn read(path: &Path) -> Result<ProtocolCopy, Box<Fault>> {
+    let unreadable = |reason: String| Box::new(Fault::Unreadable { reason });
     let metadata = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
     if !metadata.is_file() {
         return Err(unreadable("not a regular file".to_owned()));
@@ -53,9 +53,9 @@ fn read(path: &Path) -> Result<ProtocolCopy, Fault> {
         return Err(unreadable(format!("longer than {LONGEST} bytes")));
     }
     let text = fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
-    let malformed = |error: toml::de::Error| Fault::Malformed {
-        expected: "protocol",
-        reason: error.message().trim().replace('\n', ", "),
+    let malformed = |error: toml::de::Error| {
+        let reason = error.message().trim().replace('\n', ", ");
+        Box::new(Fault::Malformed { expected: "protocol", reason })
     };
     toml::from_str(&text).map_err(malformed)
 }

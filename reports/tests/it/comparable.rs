@@ -105,6 +105,8 @@ fn sums_and_tables_leave_out_what_is_incomplete_and_say_so() {
     }
     write_run(path, &key("RoomA", "kite", "default", 0), &[0.0, 0.5]);
     unfinish(path, "RoomB", "wren", "default", 1);
+    fs::create_dir_all(layout::protocols_dir(path)).unwrap();
+    fs::write(layout::protocols_dir(path).join("paper.toml"), "name = 'made-up paper'").unwrap();
     let written = reports::write(path, &options()).unwrap();
     let csv = fs::read_to_string(layout::report_dir(path).join("aggregates.csv")).unwrap();
     let rows: Vec<String> =

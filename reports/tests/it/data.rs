@@ -110,7 +110,10 @@ fn the_numbers_of_a_run_by_hand() {
         assert!((field(name).parse::<f64>().unwrap() - expected).abs() < 1e-6, "{name}: {}", field(name));
     }
     let page = std::fs::read_to_string(layout::report_dir(results.path()).join("index.html")).unwrap();
-    assert!(page.contains("<td class=\"number\">0.75 [0.60, 0.86]</td>"), "on the page too");
+    assert!(
+        page.contains("<td class=\"number\" data-title=\"Final success\">0.75 [0.60, 0.86]</td>"),
+        "on the page too"
+    );
     // 2,000 steps take 3,600 s, of which the teacher has a fifth and learning half.
     assert_eq!(["wall_hours", "teacher_hours", "learning_hours"].map(field), ["1.0", "0.2", "0.5"]);
 }

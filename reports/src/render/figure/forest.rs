@@ -140,7 +140,7 @@ impl Forest {
         }
         let left = MARGIN + widest + GAP;
         let count = self.columns.len() as i32;
-        let width = (PAGE_WIDTH - MARGIN - left - (count - 1) * COLUMN_GAP) / count - GAP / 2;
+        let width = (PAGE_WIDTH - MARGIN - left - (count - 1) * COLUMN_GAP) / count - GAP;
         let top = MARGIN + TITLE_HEIGHT;
         let height = self.rows.len() as i32 * ROW_HEIGHT;
         let caption = page::caption_lines(&self.caption, PAGE_WIDTH)?;

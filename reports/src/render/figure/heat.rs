@@ -127,11 +127,11 @@ impl<'a> Sheet<'a> {
     fn reasons(&self, map: &HeatMap, index: usize, phase: &HeatPhase) -> [Option<&'static str>; 2] {
         let begin = (u128::from(self.end) * index as u128 / 3) as u64;
         if phase.total() == 0 {
-            let why = if map.reached <= begin { "not trained so far" } else { "no episode ended here" };
+            let why = if map.reached <= begin { "not trained so far" } else { "no episode here" };
             return [Some(why); 2];
         }
         let has_rate = phase.rates().iter().any(Option::is_some);
-        [None, (!has_rate).then_some("too few goals in each cell")]
+        [None, (!has_rate).then_some("too few goals")]
     }
 
     fn draw_titles(&self, root: &Area<'_>) -> DrawResult {
@@ -276,7 +276,7 @@ mod tests {
         let sheet = Sheet::new(&heat);
         let reasons = |index: usize| sheet.reasons(&heat.maps[0], index, &heat.maps[0].phases[index]);
         assert_eq!(reasons(0), [None, None]);
-        assert_eq!(reasons(1), [None, Some("too few goals in each cell")]);
+        assert_eq!(reasons(1), [None, Some("too few goals")]);
         assert_eq!(reasons(2), [Some("not trained so far"); 2]);
         let caption = sheet.caption();
         assert!(
@@ -284,6 +284,6 @@ mod tests {
             "{caption}"
         );
         let svg = super::heat(&heat).unwrap();
-        assert!(svg.contains("not trained so far") && svg.contains("too few goals in each cell"));
+        assert!(svg.contains("not trained so far") && svg.contains("too few goals"));
     }
 }
