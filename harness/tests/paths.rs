@@ -34,7 +34,7 @@ fn names_that_are_no_utf_8_are_taken_by_every_command() {
     let run = |more: &[&OsStr]| {
         let toy = TOY.iter().map(OsStr::new);
         let args: Vec<&OsStr> =
-            toy.chain([OsStr::new("--out"), &results]).chain(more.iter().copied()).collect();
+            toy.chain([OsStr::new("--out"), results.as_os_str()]).chain(more.iter().copied()).collect();
         succeeds(folder.path(), &args)
     };
     run(&[]);

@@ -61,7 +61,7 @@ impl Plan {
                 },
                 config: config.clone(),
                 program: program.clone(),
-                curriculum_version: *version,
+                curriculum_version: version,
             })
         });
         let plan = Self { name: protocol.name.clone(), runs: runs.collect() };
