@@ -138,6 +138,9 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     if args.executor == Executor::Local {
         sweep.check_device().map_err(HarnessError::flag("--device"))?;
+        for line in sweep.slow_precisions(registry)? {
+            complain(&format!("goalbench: {line}"));
+        }
     }
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
