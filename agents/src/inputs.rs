@@ -7,6 +7,7 @@ use crate::device::in_reach;
 use crate::error::AgentError;
 use crate::networks::{Block, copy, with_slices};
 use crate::normalizer::Normalizer;
+use crate::precision::{Arithmetic, Precision};
 
 /// The normalisers of what networks see besides actions.
 #[derive(Clone, Debug)]
@@ -35,27 +36,34 @@ impl Normalizers {
 #[derive(Debug)]
 pub(crate) struct InputMatrix {
     host: Tensor,
-    /// On the CPU the same memory as `host`.
+    /// Whether `block` is the memory of `host`: on the CPU, in single precision.
+    shared: bool,
     pub(crate) block: Block,
 }
 
 impl InputMatrix {
     /// Zeros, `[E, n, columns]`.
-    pub(crate) fn new(members: usize, rows: usize, columns: usize, device: Device) -> Result<Self, TchError> {
+    pub(crate) fn new(
+        members: usize,
+        rows: usize,
+        columns: usize,
+        arithmetic: Arithmetic,
+    ) -> Result<Self, TchError> {
         let size = [members as i64, rows as i64, columns as i64];
         let host = Tensor::f_zeros(size, (Kind::Float, Device::Cpu))?;
-        let block = if in_reach(device) {
+        let shared = in_reach(arithmetic.device) && arithmetic.precision == Precision::F32;
+        let block = if shared {
             Block::new(host.shallow_clone())?
         } else {
-            Block::zeros(members, rows, columns, device)?
+            Block::zeros(members, rows, columns, arithmetic)?
         };
-        Ok(Self { host, block })
+        Ok(Self { host, shared, block })
     }
 
     /// Lets `write` fill the numbers, row after row, and sends them to the device.
     pub(crate) fn fill(&mut self, write: impl FnOnce(&mut [f32])) -> Result<(), TchError> {
         with_slices([&self.host], [], |[numbers], []| write(numbers));
-        if !self.block.plain.on_cpu {
+        if !self.shared {
             copy(&self.block.plain.whole, &self.host)?;
         }
         Ok(())
@@ -127,11 +135,16 @@ impl Part {
 }
 
 impl TransitionInputs {
-    pub(crate) fn new(dims: Dims, members: usize, n: usize, device: Device) -> Result<Self, TchError> {
-        let matrix = |columns| InputMatrix::new(members, n, columns, device);
+    pub(crate) fn new(
+        dims: Dims,
+        members: usize,
+        n: usize,
+        arithmetic: Arithmetic,
+    ) -> Result<Self, TchError> {
+        let matrix = |columns| InputMatrix::new(members, n, columns, arithmetic);
         let (current, next) = (matrix(dims.critic_inputs())?, matrix(dims.critic_inputs())?);
-        let rewards = matrix(1)?;
-        let rows = rows_per_part(n, device);
+        let rewards = InputMatrix::new(members, n, 1, Arithmetic::single(arithmetic.device))?;
+        let rows = rows_per_part(n, arithmetic.device);
         let blocks = [&current.block, &next.block, &rewards.block];
         let parts = (0..n)
             .step_by(rows)

@@ -1,11 +1,12 @@
 //! Learning of action values: temporal-difference steps for a stack of critics.
 
 use envs::rng::Rng;
-use tch::{Device, TchError};
+use tch::TchError;
 
 use crate::inputs::{Part, rows_per_part};
 use crate::losses::{Discount, critic_part, write_targets};
 use crate::networks::{Block, Parameters, Passes, Shape, Trained};
+use crate::precision::Arithmetic;
 
 /// E critics, each with a target network.
 #[derive(Debug)]
@@ -24,14 +25,14 @@ impl ValueLearner {
         members: usize,
         n: usize,
         discount: Discount,
-        device: Device,
+        arithmetic: Arithmetic,
         rng: &mut Rng,
     ) -> Result<Self, TchError> {
-        let rows = rows_per_part(n, device);
+        let rows = rows_per_part(n, arithmetic.device);
         Ok(Self {
-            networks: Trained::new(shape, members, device, rng)?,
-            passes: Passes::new(shape, members, rows, device)?,
-            targets: Block::zeros(members, rows, 1, device)?,
+            networks: Trained::new(shape, members, arithmetic, rng)?,
+            passes: Passes::new(shape, members, rows, arithmetic)?,
+            targets: Block::zeros(members, rows, 1, Arithmetic::single(arithmetic.device))?,
             discount,
         })
     }

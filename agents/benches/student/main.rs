@@ -3,6 +3,8 @@
 //!
 //! - `update/L x256/to its products`: a gradient step on a batch as a multiple of its bare products, measured
 //!   in turn so that both meet the same machine (at most 1.15 is wanted);
+//! - `precision/L x256/bf16 to f32`: a gradient step with products in bf16 as a multiple of one in singles (at
+//!   most 0.35 is wanted where the processor has AMX, 0.62 where it has AVX512-BF16; elsewhere it is slower);
 //! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most
 //!   0.05);
 //! - `act/one observation` (at most 20 µs) and `confidence/1000 goals`: times.
@@ -15,7 +17,7 @@ mod ratio;
 use std::hint::black_box;
 use std::time::Duration;
 
-use agents::{Agent, Auto, Batch, Mode, Network, Products, Replay, Source, StudentConfig};
+use agents::{Agent, Auto, Batch, Mode, Network, Precision, Products, Replay, Source, StudentConfig};
 use cpu_time::ThreadTime;
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use envs::Observation;
@@ -97,6 +99,35 @@ fn update(criterion: &mut Criterion<Ratio>) {
     }
 }
 
+/// A short cycle of a student in bf16 against one of a student in f32, in turn, without the time for drawing
+/// batches.
+fn precision(criterion: &mut Criterion<Ratio>) {
+    agents::prepare_thread();
+    for layers in [2, 3] {
+        let mut group = criterion.benchmark_group(format!("precision/{layers}x256"));
+        group.sampling_mode(SamplingMode::Flat).sample_size(20).measurement_time(Duration::from_secs(30));
+        let config = |precision| StudentConfig {
+            layers: Auto::Value(layers),
+            updates_per_cycle: 4,
+            precision,
+            ..StudentConfig::default()
+        };
+        let mut students = [Precision::Bf16, Precision::F32].map(|precision| student(&config(precision)));
+        let (env, mut rng) = (Still::new(FETCH), stream(0, Purpose::Replay));
+        group.bench_function("bf16 to f32", |bencher| {
+            bencher.iter_custom(|times| {
+                let mut learning = |student: &mut Box<dyn Agent>| {
+                    let drawn = student.sampling_time().unwrap_or_default();
+                    let whole = timed(|| student.learn(&env, &mut rng).expect("finite"));
+                    whole.saturating_sub(student.sampling_time().unwrap_or_default() - drawn).as_secs_f64()
+                };
+                let [rounded, single] = &mut students;
+                (0..times).map(|_| learning(rounded) / learning(single)).sum()
+            });
+        });
+    }
+}
+
 /// Drawing a batch from a full buffer against learning from it.
 fn sampling(criterion: &mut Criterion<Ratio>) {
     agents::prepare_thread();
@@ -142,7 +173,7 @@ fn questions(criterion: &mut Criterion) {
 criterion_group! {
     name = ratios;
     config = Criterion::default().with_measurement(Ratio);
-    targets = update, sampling
+    targets = update, precision, sampling
 }
 criterion_group!(times, questions);
 criterion_main!(ratios, times);

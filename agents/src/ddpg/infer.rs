@@ -8,6 +8,7 @@ use crate::batch::{Batch, Dims, check_len};
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers};
 use crate::networks::{Block, Parameters, Passes, Shape, copy, read};
+use crate::precision::Arithmetic;
 
 use super::update::Learner;
 
@@ -57,9 +58,9 @@ impl QueryViews {
 
 impl Query {
     fn new(dims: Dims, [actor, critic]: [Shape; 2], rows: usize, device: Device) -> Result<Self, TchError> {
-        let inputs = InputMatrix::new(1, rows, dims.critic_inputs(), device)?;
+        let inputs = InputMatrix::new(1, rows, dims.critic_inputs(), Arithmetic::single(device))?;
         let views = QueryViews::new(&inputs.block, rows, dims)?;
-        let passes = |shape| Passes::new(shape, 1, rows, device);
+        let passes = |shape| Passes::new(shape, 1, rows, Arithmetic::single(device));
         let answers = Vec::with_capacity(rows * dims.action);
         Ok(Self { dims, views, inputs, actor: passes(actor)?, critic: passes(critic)?, answers })
     }

@@ -55,6 +55,7 @@ use crate::losses::Discount;
 use crate::networks::{Output, Shape};
 use crate::noise::{Noise, uniform};
 use crate::normalizer::Normalizer;
+use crate::precision::Arithmetic;
 use crate::replay::{Log, Replay, Source};
 
 use infer::Inference;
@@ -85,7 +86,7 @@ impl Ddpg {
     /// A student for the task `spec` whose initial weights come from the run's `seed`.
     pub(crate) fn new(config: &StudentConfig, spec: &Spec, seed: u64) -> Result<Self, AgentError> {
         let config = config.clone().resolve(spec)?;
-        let device = config.device.open()?;
+        let arithmetic = Arithmetic { device: config.device.open()?, precision: config.precision };
         let dims = Dims::of(spec);
         let layers = config.layers(spec);
         let shape = |inputs, outputs, output| Shape { inputs, layers, width: config.width, outputs, output };
@@ -95,8 +96,8 @@ impl Ddpg {
         let rng = &mut stream(seed, Purpose::Weights);
         let normalizer = |width| Normalizer::new(config.normalizer, width);
         Ok(Self {
-            learner: Learner::new(&config, discount, dims, [actor, critic], device, rng)?,
-            inference: Inference::new(dims, [actor, critic], device)?,
+            learner: Learner::new(&config, discount, dims, [actor, critic], arithmetic, rng)?,
+            inference: Inference::new(dims, [actor, critic], arithmetic.device)?,
             normalizers: Normalizers { state: normalizer(dims.state), goal: normalizer(dims.goal) },
             replay: Replay::new(spec, config.replay_capacity)?,
             log: Log::default(),

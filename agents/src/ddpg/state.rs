@@ -173,6 +173,7 @@ mod tests {
             "polyak_every = 'update'",
             "her_strategy = 'final'",
             "her_strategy = 'episode'",
+            "precision = 'bf16'",
         ] {
             let (folder, undisturbed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
             let mut scene = Scene::new(config);

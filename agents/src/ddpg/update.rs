@@ -1,7 +1,7 @@
 //! One gradient step of DDPG.
 
 use envs::rng::Rng;
-use tch::{Device, TchError};
+use tch::TchError;
 
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
@@ -10,6 +10,7 @@ use crate::error::AgentError;
 use crate::inputs::{Normalizers, TransitionInputs, rows_per_part};
 use crate::losses::{Discount, mean_part, penalty_part, value_part};
 use crate::networks::{Block, Parameters, Passes, Shape, Trained, copy};
+use crate::precision::Arithmetic;
 use crate::value::ValueLearner;
 
 /// Actor and critic under training.
@@ -40,20 +41,20 @@ impl Learner {
         discount: Discount,
         dims: Dims,
         [actor, critic]: [Shape; 2],
-        device: Device,
+        arithmetic: Arithmetic,
         rng: &mut Rng,
     ) -> Result<Self, TchError> {
         let n = config.batch();
-        let actor_networks = Trained::new(actor, 1, device, rng)?;
-        let critic = ValueLearner::new(critic, 1, n, discount, device, rng)?;
+        let actor_networks = Trained::new(actor, 1, arithmetic, rng)?;
+        let critic = ValueLearner::new(critic, 1, n, discount, arithmetic, rng)?;
         let online = critic.networks.network(Parameters::Online);
         Ok(Self {
             action_weights: online.input_weights(dims.actor_inputs(), dims.action)?,
             actor: actor_networks,
             critic,
             steps: 0,
-            actor_passes: Passes::new(actor, 1, rows_per_part(n, device), device)?,
-            inputs: TransitionInputs::new(dims, 1, n, device)?,
+            actor_passes: Passes::new(actor, 1, rows_per_part(n, arithmetic.device), arithmetic)?,
+            inputs: TransitionInputs::new(dims, 1, n, arithmetic)?,
             rates: Rates { actor: config.actor_lr, critic: config.critic_lr, action_l2: config.action_l2 },
         })
     }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use envs::rng::Rng;
 use envs::{Rows, Spec};
 use serde::{Deserialize, Serialize};
-use tch::{Device, TchError};
+use tch::TchError;
 
 use crate::batch::{Batch, Dims, check_len};
 use crate::checks::{at_least, fraction, positive};
@@ -16,6 +16,7 @@ use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
 use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, read};
 use crate::normalizer::{Moments, Normalizer, NormalizerConfig};
+use crate::precision::Arithmetic;
 use crate::value::ValueLearner;
 
 /// Rows that go through the networks at once when values are asked for.
@@ -119,7 +120,7 @@ impl Ensemble {
         positive("ensemble.lr", config.lr)?;
         fraction("ensemble.polyak", config.polyak)?;
         let student = student.clone().resolve(spec)?;
-        let device = student.device.open()?;
+        let arithmetic = Arithmetic { device: student.device.open()?, precision: student.precision };
         let dims = Dims::of(spec);
         let discount = Discount { gamma: student.gamma(spec) };
         let (layers, width) = (student.layers(spec), student.width);
@@ -131,9 +132,9 @@ impl Ensemble {
             dims,
             discount,
             normalizers: Normalizers { state: normalizer(dims.state), goal: normalizer(dims.goal) },
-            learner: ValueLearner::new(shape, members, batch, discount, device, rng)?,
-            inputs: TransitionInputs::new(dims, members, batch, device)?,
-            query: Query::new(shape, members, device)?,
+            learner: ValueLearner::new(shape, members, batch, discount, arithmetic, rng)?,
+            inputs: TransitionInputs::new(dims, members, batch, arithmetic)?,
+            query: Query::new(shape, members, Arithmetic::single(arithmetic.device))?,
             steps: 0,
             normalizer: student.normalizer,
             episodes: 0,
@@ -307,9 +308,9 @@ impl Ensemble {
 }
 
 impl Query {
-    fn new(shape: Shape, members: usize, device: Device) -> Result<Self, TchError> {
-        let inputs = InputMatrix::new(1, CHUNK, shape.inputs, device)?;
-        Ok(Self { inputs, passes: Passes::new(shape, members, CHUNK, device)? })
+    fn new(shape: Shape, members: usize, arithmetic: Arithmetic) -> Result<Self, TchError> {
+        let inputs = InputMatrix::new(1, CHUNK, shape.inputs, arithmetic)?;
+        Ok(Self { inputs, passes: Passes::new(shape, members, CHUNK, arithmetic)? })
     }
 }
 

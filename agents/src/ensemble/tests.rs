@@ -10,14 +10,20 @@ use crate::device::far_away;
 use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::normalizer::{Normalizer, NormalizerConfig};
+use crate::precision::Precision;
 
 const SPEC: Spec =
     Spec { id: "Tiny", family: "toy", state: 2, goal: 1, action: 1, horizon: 4, defaults: Defaults::TOY };
 const BATCH: usize = 32;
 
 fn ensemble(members: usize, gamma: f64, rng: &mut Rng) -> Ensemble {
+    in_precision(Precision::F32, members, gamma, rng)
+}
+
+fn in_precision(precision: Precision, members: usize, gamma: f64, rng: &mut Rng) -> Ensemble {
     crate::prepare_thread();
-    let student = StudentConfig { width: 16, gamma: Auto::Value(gamma), ..StudentConfig::default() };
+    let student =
+        StudentConfig { width: 16, gamma: Auto::Value(gamma), precision, ..StudentConfig::default() };
     let config = EnsembleConfig { members, batch: BATCH, lr: 1e-2, polyak: 0.9 };
     Ensemble::new(config, &student, &SPEC, rng).unwrap()
 }
@@ -185,21 +191,46 @@ fn going_on_from_a_save_gives_the_same_bytes_as_never_having_stopped() {
         }
         ensemble.follow().unwrap();
     };
-    let mut rng = stream(1, Purpose::Replay);
-    let mut first = ensemble(2, 0.75, &mut stream(1, Purpose::Weights));
-    train(&mut first, &mut rng);
-    let saved = first.save().unwrap();
-    let mut resumed = ensemble(2, 0.75, &mut stream(9, Purpose::Weights));
-    resumed.load(&saved).unwrap();
-    train(&mut first, &mut rng.clone());
-    train(&mut resumed, &mut rng);
-    assert!(first.save().unwrap() == resumed.save().unwrap());
-    assert_eq!(resumed.gradient_steps(), 6);
+    for precision in Precision::ALL {
+        let mut rng = stream(1, Purpose::Replay);
+        let mut first = in_precision(precision, 2, 0.75, &mut stream(1, Purpose::Weights));
+        train(&mut first, &mut rng);
+        let saved = first.save().unwrap();
+        let mut resumed = in_precision(precision, 2, 0.75, &mut stream(9, Purpose::Weights));
+        resumed.load(&saved).unwrap();
+        train(&mut first, &mut rng.clone());
+        train(&mut resumed, &mut rng);
+        assert!(first.save().unwrap() == resumed.save().unwrap(), "{precision:?}");
+        assert_eq!(resumed.gradient_steps(), 6);
 
-    let mut other = ensemble(3, 0.75, &mut stream(1, Purpose::Weights));
-    let AgentError::State { source } = other.load(&saved).unwrap_err() else { panic!("of another width") };
-    assert!(source.to_string().contains("parameters"), "{source}");
-    assert!(other.load(&saved[..10]).is_err());
+        let mut other = ensemble(3, 0.75, &mut stream(1, Purpose::Weights));
+        let AgentError::State { source } = other.load(&saved).unwrap_err() else {
+            panic!("of another width")
+        };
+        assert!(source.to_string().contains("parameters"), "{source}");
+        assert!(other.load(&saved[..10]).is_err());
+    }
+}
+
+/// An ensemble in bf16 learns nearly what one in f32 learns from the same batches, on either kind of device.
+#[test]
+fn rounded_products_teach_nearly_the_same_values() {
+    let trained = |precision| {
+        let mut ensemble = in_precision(precision, 3, 0.75, &mut stream(2, Purpose::Weights));
+        let mut rng = stream(2, Purpose::Replay);
+        for _ in 0..10 {
+            ensemble.update(&batch(3 * BATCH, &mut rng)).unwrap();
+        }
+        ensemble.follow().unwrap();
+        probe(&mut ensemble)
+    };
+    let single = trained(Precision::F32);
+    for rounded in [trained(Precision::Bf16), far_away(|| trained(Precision::Bf16))] {
+        assert_ne!(rounded.as_slice(), single.as_slice());
+        for (rounded, single) in rounded.as_slice().iter().zip(single.as_slice()) {
+            assert!((rounded - single).abs() < 0.02, "{rounded} against {single}");
+        }
+    }
 }
 
 /// The ensemble's normalisers follow the student's config: besides the pseudo-observations they count 4

@@ -1,8 +1,9 @@
 //! Matrices of a stack: E of one shape, multiplied pairwise.
 
-use tch::{Device, Kind, TchError, Tensor};
+use tch::{TchError, Tensor};
 
 use crate::device::in_reach;
+use crate::precision::Arithmetic;
 
 /// E matrices of one shape as one tensor `[E, rows, columns]` and as E views `[rows, columns]`.
 #[derive(Debug)]
@@ -57,9 +58,9 @@ impl Block {
         members: usize,
         rows: usize,
         columns: usize,
-        device: Device,
+        arithmetic: Arithmetic,
     ) -> Result<Self, TchError> {
-        Self::new(Tensor::f_zeros([members as i64, rows as i64, columns as i64], (Kind::Float, device))?)
+        Self::new(Tensor::f_zeros([members as i64, rows as i64, columns as i64], arithmetic.options())?)
     }
 
     /// The columns from `first` on, `count` of them.
@@ -118,10 +119,11 @@ pub(super) fn multiply_add(out: &Views, left: &Views, right: &Views) -> Result<(
 pub(crate) mod done {
     use std::cell::RefCell;
 
-    use tch::Tensor;
+    use tch::{Kind, Tensor};
 
-    /// Rows, inner and columns of a product, and whether left and right lie transposed in memory.
-    pub(crate) type Product = ([i64; 3], [bool; 2]);
+    /// Rows, inner and columns of a product, whether left and right lie transposed in memory, and whether the
+    /// factors are rounded.
+    pub(crate) type Product = ([i64; 3], [bool; 2], bool);
 
     thread_local! {
         static DONE: RefCell<Vec<Product>> = const { RefCell::new(Vec::new()) };
@@ -131,7 +133,8 @@ pub(crate) mod done {
     pub(crate) fn product(left: &Tensor, right: &Tensor) -> Product {
         // A vector lies either way.
         let lies_transposed = |t: &Tensor| t.size().iter().all(|n| *n > 1) && t.stride()[1] != 1;
-        ([left.size()[0], left.size()[1], right.size()[1]], [left, right].map(lies_transposed))
+        let size = [left.size()[0], left.size()[1], right.size()[1]];
+        (size, [left, right].map(lies_transposed), left.kind() == Kind::BFloat16)
     }
 
     pub(super) fn note(left: &Tensor, right: &Tensor) {

@@ -1,32 +1,82 @@
 //! Tensors as plain slices, for loops that libtorch has no kernel for.
 
+use half::bf16;
 use tch::{Device, Kind, TchError, Tensor};
 
 use crate::device::in_reach;
 
-/// Calls `work` with the numbers of `written` and `read` as slices.
+/// The numbers of a tensor to read.
+#[derive(Debug)]
+pub(super) enum Numbers<'a> {
+    Single(&'a [f32]),
+    Rounded(&'a [bf16]),
+}
+
+/// The numbers of a tensor to overwrite.
+#[derive(Debug)]
+pub(super) enum NumbersMut<'a> {
+    Single(&'a mut [f32]),
+    Rounded(&'a mut [bf16]),
+}
+
+/// Calls `work` with the numbers of `written` and `read` as slices of singles.
 ///
 /// # Panics
 /// If a tensor is not contiguous f32 on the CPU, or a written one shares memory with another of them.
-#[allow(unsafe_code, reason = "tch gives a tensor's memory as a raw pointer only")]
 pub(crate) fn with_slices<const W: usize, const R: usize, T>(
     written: [&Tensor; W],
     read: [&Tensor; R],
     work: impl FnOnce([&mut [f32]; W], [&[f32]; R]) -> T,
 ) -> T {
+    with_numbers(written, read, |written, read| {
+        let written = written.map(|numbers| match numbers {
+            NumbersMut::Single(numbers) => numbers,
+            NumbersMut::Rounded(_) => panic!("singles expected"),
+        });
+        let read = read.map(|numbers| match numbers {
+            Numbers::Single(numbers) => numbers,
+            Numbers::Rounded(_) => panic!("singles expected"),
+        });
+        work(written, read)
+    })
+}
+
+/// Calls `work` with the numbers of `written` and `read` as slices.
+///
+/// # Panics
+/// If a tensor is not contiguous f32 or bf16 on the CPU, or a written one shares memory with another of them.
+#[allow(unsafe_code, reason = "tch gives a tensor's memory as a raw pointer only")]
+pub(super) fn with_numbers<const W: usize, const R: usize, T>(
+    written: [&Tensor; W],
+    read: [&Tensor; R],
+    work: impl FnOnce([NumbersMut<'_>; W], [Numbers<'_>; R]) -> T,
+) -> T {
     let written = written.map(span);
     let read = read.map(span);
     for (i, a) in written.iter().enumerate() {
         assert!(
-            written[i + 1..].iter().chain(&read).all(|b| !overlap(*a, *b)),
+            written[i + 1..].iter().chain(&read).all(|b| !a.overlaps(b)),
             "tensors that are written must not share memory"
         );
     }
-    // SAFETY: each span is the memory of a contiguous f32 tensor on the CPU, which the borrowed tensor keeps
-    // alive during the call. Written spans overlap nothing. Tensors are not Sync and this crate hands none of
-    // them out, so nothing else touches the memory during the call.
-    let written = written.map(|(start, len)| unsafe { std::slice::from_raw_parts_mut(start, len) });
-    let read = read.map(|(start, len)| unsafe { std::slice::from_raw_parts(start.cast_const(), len) });
+    // SAFETY: each span is the memory of a contiguous tensor on the CPU with numbers of this kind, which the
+    // borrowed tensor keeps alive during the call. Written spans overlap nothing. Tensors are not Sync and
+    // this crate hands none of them out, so nothing else touches the memory during the call.
+    let written = written.map(|Span { start, len, rounded }| unsafe {
+        if rounded {
+            NumbersMut::Rounded(std::slice::from_raw_parts_mut(start.cast(), len))
+        } else {
+            NumbersMut::Single(std::slice::from_raw_parts_mut(start.cast(), len))
+        }
+    });
+    // SAFETY: as above.
+    let read = read.map(|Span { start, len, rounded }| unsafe {
+        if rounded {
+            Numbers::Rounded(std::slice::from_raw_parts(start.cast_const().cast(), len))
+        } else {
+            Numbers::Single(std::slice::from_raw_parts(start.cast_const().cast(), len))
+        }
+    });
     work(written, read)
 }
 
@@ -39,20 +89,38 @@ pub(crate) fn read<T>(tensor: &Tensor, work: impl FnOnce(&[f32]) -> T) -> Result
     Ok(with_slices([], [&host], |[], [numbers]| work(numbers)))
 }
 
-/// First number and count.
-fn span(tensor: &Tensor) -> (*mut f32, usize) {
-    assert!(
-        tensor.device() == Device::Cpu && tensor.kind() == Kind::Float && tensor.is_contiguous(),
-        "contiguous f32 on the CPU"
-    );
-    let len = tensor.numel();
-    let start = if len == 0 { std::ptr::NonNull::dangling().as_ptr() } else { tensor.data_ptr().cast() };
-    (start, len)
+/// Whether two views of equal size see the same memory.
+pub(super) fn same_memory(a: &Tensor, b: &Tensor) -> bool {
+    a.data_ptr() == b.data_ptr()
 }
 
-fn overlap(a: (*mut f32, usize), b: (*mut f32, usize)) -> bool {
-    let end = |(start, len): (*mut f32, usize)| start.wrapping_add(len);
-    a.1 > 0 && b.1 > 0 && a.0 < end(b) && b.0 < end(a)
+/// Where a tensor's numbers lie.
+#[derive(Clone, Copy)]
+struct Span {
+    start: *mut u8,
+    /// How many numbers.
+    len: usize,
+    /// Whether they are bf16 rather than f32.
+    rounded: bool,
+}
+
+impl Span {
+    fn overlaps(&self, other: &Self) -> bool {
+        let end = |span: &Self| span.start.wrapping_add(span.len * if span.rounded { 2 } else { 4 });
+        self.len > 0 && other.len > 0 && self.start < end(other) && other.start < end(self)
+    }
+}
+
+fn span(tensor: &Tensor) -> Span {
+    let rounded = tensor.kind() == Kind::BFloat16;
+    assert!(
+        tensor.device() == Device::Cpu && (rounded || tensor.kind() == Kind::Float) && tensor.is_contiguous(),
+        "contiguous f32 or bf16 on the CPU"
+    );
+    let len = tensor.numel();
+    // A pointer that is aligned for both, where there is nothing.
+    let nothing = std::ptr::NonNull::<f32>::dangling().as_ptr().cast();
+    Span { start: if len == 0 { nothing } else { tensor.data_ptr().cast() }, len, rounded }
 }
 
 #[cfg(test)]

@@ -2,16 +2,19 @@
 
 use envs::rng::Rng;
 use rand::Rng as _;
-use tch::{Device, Kind, TchError, Tensor};
+use tch::{TchError, Tensor};
 
 use super::block::{Block, copy};
 use super::shape::{Layer, Shape};
+use crate::precision::{Arithmetic, Precision};
 
 /// One number for every parameter of E networks of one shape: the parameters themselves, or their gradients.
 #[derive(Debug)]
 pub(crate) struct Stack {
-    /// All numbers, shape `[E, P]`.
+    /// All numbers, shape `[E, P]`. Whoever changes them calls [`Stack::round`].
     pub(super) flat: Tensor,
+    /// A copy of them for products in less than single precision.
+    rounded: Option<Tensor>,
     /// Views of them, one pair per layer.
     pub(super) layers: Vec<LayerViews>,
 }
@@ -21,43 +24,66 @@ pub(crate) struct Stack {
 pub(super) struct LayerViews {
     /// `[E, inputs, outputs]`, the last layer's by columns.
     pub(super) weight: Block,
+    /// A copy of the weights of a hidden layer for products in less than single precision.
+    pub(super) rounded: Option<Block>,
     /// `[E, 1, outputs]`.
     pub(super) bias: Block,
 }
 
+impl LayerViews {
+    /// The weights of a hidden layer as factors of products in `precision`.
+    ///
+    /// # Panics
+    /// If the stack was not made for this precision.
+    pub(super) fn factors(&self, precision: Precision) -> &Block {
+        match precision {
+            Precision::F32 => &self.weight,
+            Precision::Bf16 => self.rounded.as_ref().expect("a stack that keeps rounded weights"),
+        }
+    }
+}
+
 impl Stack {
     /// All zeros.
-    pub(crate) fn zeros(shape: Shape, members: usize, device: Device) -> Result<Self, TchError> {
+    pub(crate) fn zeros(shape: Shape, members: usize, arithmetic: Arithmetic) -> Result<Self, TchError> {
         let parameters = shape.parameters() as i64;
-        let flat = Tensor::f_zeros([members as i64, parameters], (Kind::Float, device))?;
-        let view = |rows: usize, columns: usize, offset: usize| {
-            let size = [members as i64, rows as i64, columns as i64];
-            flat.f_as_strided(size, [parameters, columns as i64, 1], offset as i64)
+        let take = |options| Tensor::f_zeros([members as i64, parameters], options);
+        let flat = take(Arithmetic::single(arithmetic.device).options())?;
+        let rounded = match arithmetic.precision {
+            Precision::F32 => None,
+            Precision::Bf16 => Some(take(arithmetic.options())?),
         };
+        let view_of = |numbers: &Tensor, rows: usize, columns: usize, offset: usize| {
+            let size = [members as i64, rows as i64, columns as i64];
+            numbers.f_as_strided(size, [parameters, columns as i64, 1], offset as i64)
+        };
+        let view = |rows, columns, offset| view_of(&flat, rows, columns, offset);
         let layers = shape
             .places()
             .into_iter()
             .enumerate()
             .map(|(i, layer)| {
-                let weight = if i < shape.layers {
-                    Block::new(view(layer.inputs, layer.outputs, layer.weight)?)?
-                } else {
-                    Block::by_columns(view(layer.outputs, layer.inputs, layer.weight)?)?
-                };
-                Ok(LayerViews { weight, bias: Block::new(view(1, layer.outputs, layer.bias)?)? })
+                let bias = Block::new(view(1, layer.outputs, layer.bias)?)?;
+                if i == shape.layers {
+                    let weight = Block::by_columns(view(layer.outputs, layer.inputs, layer.weight)?)?;
+                    return Ok(LayerViews { weight, rounded: None, bias });
+                }
+                let weights = |flat| Block::new(view_of(flat, layer.inputs, layer.outputs, layer.weight)?);
+                let rounded = rounded.as_ref().map(weights).transpose()?;
+                Ok(LayerViews { weight: weights(&flat)?, rounded, bias })
             })
             .collect::<Result<_, TchError>>()?;
-        Ok(Self { flat, layers })
+        Ok(Self { flat, rounded, layers })
     }
 
     /// Xavier-uniform weights drawn from `rng`, zero biases (Glorot and Bengio 2010, Eq. 16; Baselines).
     pub(crate) fn xavier(
         shape: Shape,
         members: usize,
-        device: Device,
+        arithmetic: Arithmetic,
         rng: &mut Rng,
     ) -> Result<Self, TchError> {
-        let stack = Self::zeros(shape, members, device)?;
+        let stack = Self::zeros(shape, members, arithmetic)?;
         let mut numbers = vec![0.0; members * shape.parameters()];
         for network in numbers.chunks_exact_mut(shape.parameters()) {
             for Layer { inputs, outputs, weight, .. } in shape.places() {
@@ -76,12 +102,19 @@ impl Stack {
 
     /// Overwrites all numbers; there must be as many.
     pub(crate) fn set_numbers(&self, numbers: &[f32]) -> Result<(), TchError> {
-        copy(&self.flat, &Tensor::f_from_slice(numbers)?.f_view_as(&self.flat)?)
+        copy(&self.flat, &Tensor::f_from_slice(numbers)?.f_view_as(&self.flat)?)?;
+        self.round()
+    }
+
+    /// Brings the copy for products in less than single precision up to date.
+    pub(super) fn round(&self) -> Result<(), TchError> {
+        self.rounded.as_ref().map_or(Ok(()), |rounded| copy(rounded, &self.flat))
     }
 
     /// Overwrites all numbers with those of a stack of the same shape.
     pub(crate) fn copy_from(&self, other: &Self) -> Result<(), TchError> {
-        copy(&self.flat, &other.flat)
+        copy(&self.flat, &other.flat)?;
+        self.round()
     }
 
     /// Whether every number is finite.
@@ -103,6 +136,7 @@ mod tests {
 
     use super::{Stack, xavier_limit};
     use crate::networks::{Output, Shape};
+    use crate::precision::Arithmetic;
 
     #[test]
     fn xavier_limit_by_hand() {
@@ -113,7 +147,7 @@ mod tests {
     fn weights_fill_the_range_and_biases_are_zero() {
         let shape = Shape { inputs: 24, layers: 1, width: 300, outputs: 2, output: Output::Linear };
         let mut rng = stream(0, Purpose::Weights);
-        let stack = Stack::xavier(shape, 2, Device::Cpu, &mut rng).unwrap();
+        let stack = Stack::xavier(shape, 2, Arithmetic::single(Device::Cpu), &mut rng).unwrap();
         let numbers = stack.numbers().unwrap();
         let [first, second] = [&numbers[..shape.parameters()], &numbers[shape.parameters()..]];
         assert_ne!(first, second, "members start apart");

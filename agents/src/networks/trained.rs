@@ -3,7 +3,7 @@
 use envs::rng::Rng;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
-use tch::{Device, TchError, Tensor};
+use tch::{TchError, Tensor};
 
 use super::adam::Adam;
 use super::block::copy;
@@ -12,6 +12,7 @@ use super::slices::{read, with_slices};
 use super::stack::Stack;
 use crate::device::in_reach;
 use crate::error::AgentError;
+use crate::precision::Arithmetic;
 
 /// One of the two copies that every network is kept in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,11 +44,16 @@ pub(crate) struct SavedStack {
 
 impl Trained {
     /// Xavier-uniform networks drawn from `rng`, their targets equal to them.
-    pub(crate) fn new(shape: Shape, members: usize, device: Device, rng: &mut Rng) -> Result<Self, TchError> {
-        let online = Stack::xavier(shape, members, device, rng)?;
-        let target = Stack::zeros(shape, members, device)?;
+    pub(crate) fn new(
+        shape: Shape,
+        members: usize,
+        arithmetic: Arithmetic,
+        rng: &mut Rng,
+    ) -> Result<Self, TchError> {
+        let online = Stack::xavier(shape, members, arithmetic, rng)?;
+        let target = Stack::zeros(shape, members, arithmetic)?;
         target.copy_from(&online)?;
-        let gradient = Stack::zeros(shape, members, device)?;
+        let gradient = Stack::zeros(shape, members, Arithmetic::single(arithmetic.device))?;
         let adam = Adam::new(&online.flat)?;
         Ok(Self { online, target, gradient, adam })
     }
@@ -79,12 +85,14 @@ impl Trained {
 
     /// One Adam step of size `lr` down the gradient.
     pub(crate) fn step(&mut self, lr: f64) -> Result<(), TchError> {
-        self.adam.step(&self.online.flat, &self.gradient.flat, lr)
+        self.adam.step(&self.online.flat, &self.gradient.flat, lr)?;
+        self.online.round()
     }
 
     /// target ← α·target + (1 − α)·online with α = `polyak` (TEACH, Eq. 12).
     pub(crate) fn follow(&mut self, polyak: f64) -> Result<(), TchError> {
-        follow(&self.target.flat, &self.online.flat, polyak)
+        follow(&self.target.flat, &self.online.flat, polyak)?;
+        self.target.round()
     }
 
     /// Whether every parameter is finite. A target that follows finite networks is finite too.
@@ -120,6 +128,8 @@ impl Trained {
             copy(tensor, &Tensor::f_from_slice(numbers)?.f_view_as(tensor)?)?;
         }
         self.adam.steps = saved.adam_steps;
+        self.online.round()?;
+        self.target.round()?;
         Ok(())
     }
 }

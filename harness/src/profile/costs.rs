@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use agents::{Precision, ProductRates};
 use reports::schema::RunKey;
 use reports::wording::{counted, counted_u64};
 use serde::Serialize;
@@ -129,6 +130,8 @@ pub struct RunProfile {
     pub costs: Costs,
     /// Operations in the matrix products of a gradient step, in units of 10⁹.
     pub gflop: f64,
+    /// How fast this machine computes these products, in this precision and in the other.
+    pub rates: ProductRates,
     /// The memory that it took.
     pub memory: Memory,
 }
@@ -149,6 +152,13 @@ impl RunProfile {
         self.costs.products / self.updates_per_step()
     }
 
+    fn rates_by_name(&self) -> impl Iterator<Item = (String, Value)> {
+        Precision::ALL
+            .into_iter()
+            .zip(self.rates.gflop_per_second)
+            .map(|(p, rate)| (p.name().into(), json!(rate)))
+    }
+
     /// All numbers; times in seconds, memory in bytes.
     pub fn as_json(&self) -> Value {
         let shares =
@@ -166,6 +176,7 @@ impl RunProfile {
             "share_of_limit": self.costs.share_of_limit(),
             "products_s_per_update": self.products_per_update(),
             "products_gflop_per_s": self.gflop / self.products_per_update(),
+            "best_gflop_per_s": self.rates_by_name().collect::<serde_json::Map<_, _>>(),
             "update_to_products": self.costs.over_products(false),
             "update_and_sampling_to_products": self.costs.over_products(true),
             "memory_bytes": self.memory,
@@ -197,6 +208,7 @@ impl RunProfile {
             "\nOne evaluation and one checkpoint, with this profile's episodes, are counted for every {every} steps.\n\
              {:.1} training steps/s, {:.1} updates/s; at the limit 1/(physics + products) {:.1} steps/s: {:.3} of it\n\
              an update takes {:.2} ms for its bare products ({:.0} GFLOP/s) and {:.3} times that in all ({:.3} with its batch)\n\
+             these products at their fastest, without the rest: {:.0} GFLOP/s in f32, {:.0} in bf16\n\
              at most {:.0} MB of memory; {:.0} MB once the replay buffer is full, {:.0} MB of them its own\n",
             self.steps_per_second(),
             self.steps_per_second() * self.updates_per_step(),
@@ -206,6 +218,8 @@ impl RunProfile {
             self.gflop / self.products_per_update(),
             costs.over_products(false),
             costs.over_products(true),
+            self.rates.gflop_per_second[0],
+            self.rates.gflop_per_second[1],
             megabytes(memory.peak),
             megabytes(memory.peak_with_full_replay),
             megabytes(memory.full_replay),
@@ -216,6 +230,7 @@ impl RunProfile {
 
 #[cfg(test)]
 mod tests {
+    use agents::ProductRates;
     use reports::schema::RunKey;
 
     use super::{Costs, Memory, RunProfile, Size};
@@ -244,7 +259,8 @@ mod tests {
         let size = Size { cycles: 2, steps: 200, updates: 80, evaluation_every: 10_000 };
         let memory =
             Memory { peak: 150_000_000, peak_with_full_replay: 280_000_000, full_replay: 131_000_000 };
-        RunProfile { run, batch: 1024, layers: 2, size, costs, gflop: 1.5, memory }
+        let rates = ProductRates { gflop_per_second: [160.0, 640.0] };
+        RunProfile { run, batch: 1024, layers: 2, size, costs, gflop: 1.5, rates, memory }
     }
 
     #[test]
@@ -260,6 +276,7 @@ mod tests {
         near(number("updates_per_second"), 40.0);
         near(number("products_s_per_update"), 10e-3);
         near(number("products_gflop_per_s"), 150.0);
+        near(json["best_gflop_per_s"]["bf16"].as_f64().expect("a rate"), 640.0);
         near(number("update_to_products"), 1.25);
         near(number("update_and_sampling_to_products"), 1.375);
         near(json["shares"]["teacher"].as_f64().expect("a share"), 0.1);

@@ -9,7 +9,7 @@ mod costs;
 mod memory;
 mod watch;
 
-use agents::Products;
+use agents::{ProductRates, Products};
 
 pub use costs::{CostPart, Costs, Memory, RunProfile, Size};
 
@@ -53,7 +53,8 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Run
     let mut watch = Watch::new(folder.path(), products, student.updates_per_cycle);
     trainer.run(&mut watch).map_err(broken)?;
     let costs = watch.costs(size);
+    let rates = ProductRates::measure(student, spec).map_err(|error| broken(error.into()))?;
     let memory = memory::measure(student, spec, size.cycles * student.episodes_per_cycle() as u64)?;
     let (batch, layers) = (student.batch(), student.layers(spec));
-    Ok(RunProfile { run: run.key.clone(), batch, layers, size, costs, gflop, memory })
+    Ok(RunProfile { run: run.key.clone(), batch, layers, size, costs, gflop, rates, memory })
 }

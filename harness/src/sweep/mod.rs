@@ -19,6 +19,7 @@ pub mod event;
 pub mod exit;
 pub mod job;
 pub mod local;
+mod precision;
 pub mod reporter;
 pub mod signals;
 pub mod slurm;

@@ -165,7 +165,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
     }
     match args.executor {
-        Executor::Local => sweep.check_device().map_err(HarnessError::flag("--device"))?,
+        Executor::Local => {
+            sweep.check_device().map_err(HarnessError::flag("--device"))?;
+            for line in sweep.slow_precisions(registry)? {
+                complain(&format!("goalbench: {line}"));
+            }
+        }
         Executor::Slurm => slurm::check(&results)?,
     }
     sweep.try_out(args.executor == Executor::Slurm)?;
