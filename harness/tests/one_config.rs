@@ -45,7 +45,7 @@ fn other_seeds_with_another_config_are_refused_and_leave_nothing() {
     assert!(!seed(folder.path(), 2).exists());
     // An unfinished run and a failed one have a config as well.
     for outcome in [None, Some(r#"{"status":"failed","step":100,"reason":"x"}"#)] {
-        for run in Results::new(folder.path()).runs().expect("a results folder") {
+        for run in Results::new(folder.path()).survey().expect("a results folder").runs {
             let file = run.file(layout::OUTCOME);
             match outcome {
                 Some(outcome) => fs::write(&file, outcome).expect("it can be written"),
@@ -89,7 +89,7 @@ fn a_run_that_never_began_blocks_no_other_config() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     toy(folder.path(), &["--curriculum", "teach"]);
     // As a sweep leaves runs that it was stopped before: with their manifests alone.
-    for run in Results::new(folder.path()).runs().expect("a results folder") {
+    for run in Results::new(folder.path()).survey().expect("a results folder").runs {
         for entry in fs::read_dir(run.path()).expect("a run's folder") {
             let file = entry.expect("it can be read").path();
             if file.is_dir() {
