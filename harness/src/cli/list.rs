@@ -79,10 +79,9 @@ fn as_json(registry: &Registry, what: What) -> Value {
                 })
             })
             .collect(),
-        What::Presets => PRESETS
-            .iter()
-            .map(|preset| json!({ "name": preset.id, "description": preset.title }))
-            .collect(),
+        What::Presets => {
+            PRESETS.iter().map(|preset| json!({ "name": preset.id, "description": preset.title })).collect()
+        }
         What::Config => json!(config::defaults(registry)),
     }
 }
