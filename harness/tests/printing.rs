@@ -80,7 +80,9 @@ fn filled(command: &[&str], dir: &str, use_: usize) -> Vec<String> {
 fn subcommands() -> Vec<String> {
     let help = stdout(&goalbench(&["--help"]));
     let (_, rest) = help.split_once("Commands:\n").expect("a list of commands");
-    let names = rest.lines().take_while(|line| line.starts_with("  "));
+    let list = rest.lines().take_while(|line| line.starts_with("  "));
+    // What is indented further goes on from the line before.
+    let names = list.filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
     names.filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect()
 }
 

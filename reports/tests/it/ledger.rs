@@ -218,7 +218,7 @@ fn few_seeds_decide_nothing() {
     let entries = entries(results.path());
     assert_eq!(entries.len(), 15);
     assert!(entries.iter().all(|entry| entry.verdict == Verdict::Undecided));
-    let expected = "ahead in 1 and behind in 0 of 1 environments, 4 pairs of runs; too few seeds: 4 pairs of runs, 5 are \
+    let expected = "ahead in 1 and behind in 0 of 1 environment, 4 pairs of runs; too few seeds: 4 pairs of runs, 5 are \
                     needed; few pairs: RoomA (4, +1.00)";
     assert_eq!(entries[0].evidence, expected);
 }
@@ -269,7 +269,7 @@ fn what_cannot_reach_the_level_is_undecided_and_said() {
     let entry = wren();
     assert_eq!((entry.verdict, entry.effect.interval), (Verdict::Undecided, None));
     assert_eq!(entry.effect.p, Some(1.0 / 64.0));
-    let expected = "ahead in 1 and behind in 0 of 1 environments, 7 pairs of runs; too few seeds: p of 7 pairs cannot fall \
+    let expected = "ahead in 1 and behind in 0 of 1 environment, 7 pairs of runs; too few seeds: p of 7 pairs cannot fall \
                     below 0.0156, 0.0125 is needed";
     assert_eq!(entry.evidence, expected);
     for (curriculum, rate) in [("nova", 0.9), ("wren", 0.1)] {
