@@ -84,7 +84,7 @@ impl Album for Animation {
         let Self { path, file, encoder, .. } = *self;
         let ended = || Ok(encoder.into_inner()?.into_inner().map_err(|error| error.into_error())?);
         ended().map_err(unwritable(&path))?;
-        file.persist(&path).map_err(|error| HarnessError::io(&path, "write this file")(error.error))?;
+        guard::fresh::put(file, &path).map_err(HarnessError::io(&path, "write this file"))?;
         Ok(())
     }
 }
