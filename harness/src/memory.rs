@@ -107,7 +107,9 @@ mod tests {
         assert!(size("budget.steps=1000000000 student.replay_capacity=1000000000") > 1_000_000_000);
         assert!(size("student.width=8192") > plain + 2_000_000_000);
         assert!(
-            size("budget.steps=10000000 pool.size=1000000 curriculum.teach.window=10000") > 10_000_000_000
+            size(
+                "budget.steps=10000000 pool.size=1000000 curriculum.teach.window=10000 curriculum.teach.renewal=10000"
+            ) > 10_000_000_000
         );
     }
 }

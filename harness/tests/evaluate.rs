@@ -145,11 +145,11 @@ fn all_runs_of_an_environment_meet_the_same_episodes() {
     let source = run(results, "teach", 0);
     let (mut manifest, _) = folder::read_manifest(&source).expect("a manifest");
     let mut saved = checkpoint::read(&source, &manifest).expect("sound").expect("a checkpoint");
-    manifest.run.curriculum = "her-iid".into();
+    manifest.run.variant = "copy".into();
     manifest.run.seed = 9;
     manifest.hash = manifest_hash(&manifest.run, &manifest.config);
     saved.run.clone_from(&manifest.hash);
-    let copy = run(results, "her-iid", 9);
+    let copy = results.join("runs/Point/teach/copy/seed-9");
     folder::create(&copy, &manifest).expect("the test folder can be written");
     checkpoint::write(&copy, &saved).expect("the test folder can be written");
     let found = lines(results, &["--episodes", "500"]);
@@ -194,7 +194,8 @@ fn runs_that_cannot_be_evaluated_are_left_out_of_a_results_folder_and_refused_by
     let evaluate = |path: &Path| goalbench(&["evaluate", text(path), "--episodes", "20"]);
     let unusable = |folder: &Path, expected: &str, others: usize| {
         let (within, alone) = (evaluate(results), evaluate(folder));
-        assert_eq!(within.status.code(), Some(if others > 0 { 0 } else { 1 }), "{}", stderr(&within));
+        // A checkpoint that has not come yet is no damage.
+        assert_eq!(within.status.code(), Some(if others == 3 { 0 } else { 1 }), "{}", stderr(&within));
         assert_eq!(stdout(&within).matches("/seed-").count(), others, "{}", stdout(&within));
         assert_eq!(alone.status.code(), Some(2), "{}", stderr(&alone));
         assert_eq!(stdout(&alone), "");
@@ -238,7 +239,7 @@ fn a_run_in_the_place_of_another_is_left_out() {
         fs::copy(run(results, "teach", 0).join(name), run(results, "teach", 1).join(name)).expect("a copy");
     }
     let output = goalbench(&["evaluate", text(results), "--episodes", "20"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(stdout(&output).matches("/seed-").count(), 3, "not twice the same: {}", stdout(&output));
     assert!(stderr(&output).contains("belongs to the run Point/teach/default/seed-0"), "{}", stderr(&output));
 }

@@ -152,7 +152,7 @@ fn what_cannot_begin_is_refused_before_anything_is_written() {
     );
     refused(here, &with(&["--set", "student.episodes_per_cycle=1000000"]), &["evaluation.every"]);
     let updates = ["--set", "curriculum.vds.updates_per_cycle=9223372036854775807"];
-    refused(here, &with(&updates), &["curriculum.vds.updates_per_cycle", "1..=1000000"]);
+    refused(here, &with(&updates), &["curriculum.vds.updates_per_cycle", "1000000"]);
     let ranges =
         "0..10000,10000..20000,20000..30000,30000..40000,40000..50000,50000..60000,60000..70000,70000..80000";
     refused(here, &with(&["--seeds", ranges]), &["--seeds", "at most 10000 are accepted"]);

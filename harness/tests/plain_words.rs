@@ -123,7 +123,11 @@ fn what_does_not_fit_in_a_protocol_is_named_with_its_path() {
         (format!("{HEAD}[[variant]]\nset = {{}}\n"), 5, "variant[0]: `label` is missing; must be a text"),
         (format!("{HEAD}[[variant]]\nlabel = 3\n"), 6, "variant[0].label: is 3; must be a text"),
         (format!("{HEAD}[[variant]]\nlabel = 'a'\nset = 3\n"), 7, "variant[0].set: is 3; must be a table"),
-        (format!("{HEAD}[[variant]]\nlabel = 'a'\nsets = {{}}\n"), 7, "did you mean `set`?"),
+        (
+            format!("{HEAD}[[variant]]\nlabel = 'a'\nsets = {{}}\n"),
+            7,
+            "variant[0].sets: unknown key `sets`; did you mean `set`?",
+        ),
         (
             format!("{HEAD}[[override]]\nenvironments = ['Point']\n"),
             5,

@@ -119,7 +119,7 @@ fn fit_table(schema: &Json, table: &mut Table, path: &str) -> Result<(), FieldEr
             None if schema["additionalProperties"] == false => {
                 let known: Vec<&str> = fields.into_iter().flatten().map(|(name, _)| name.as_str()).collect();
                 let reason = unknown(schema["x-names"].as_str().unwrap_or("key"), key, &known);
-                return Err(FieldError { path: below(path, &short(key)), reason });
+                return Err(FieldError { path: below(path, key), reason });
             }
             None => {}
         }

@@ -28,6 +28,7 @@ use fit::fit;
 use layer::{ConfigLayer, merge, place_of};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
+use words::short;
 
 /// Everything that decides a run's bytes, apart from environment id and seed.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -168,7 +169,7 @@ pub fn resolve(
     layers: &[ConfigLayer],
 ) -> Result<RunConfig, HarnessError> {
     try_resolve(registry, spec, curriculum, layers).map_err(|FieldError { path, reason }| {
-        HarnessError::Config { place: place_of(layers, &path), path, reason }
+        HarnessError::Config { place: place_of(layers, &path), path: short(&path), reason }
     })
 }
 

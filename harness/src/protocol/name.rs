@@ -125,7 +125,7 @@ mod tests {
                 &(0..60)
                     .map(|n| format!("field{n} = {n}\n"))
                     .collect::<String>()
-                    .replace("59", &last.to_string()),
+                    .replace("= 59", &format!("= {last}")),
             )
         };
         assert!(long(1).len() <= LONGEST && long(1) != long(2), "{}", long(1));

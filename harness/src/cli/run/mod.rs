@@ -176,7 +176,6 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     sweep.try_out(args.executor == Executor::Slurm)?;
     let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
     let sweep = sweep.prepare(preparation)?;
-    copy::save(&protocol, &results)?;
     for line in sweep.begun_by_other_builds()? {
         complain(&format!("goalbench: {line}"));
     }
@@ -186,9 +185,14 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     match args.executor {
         Executor::Local => {
             warn_of_memory(registry, &sweep, args);
+            copy::save(&protocol, &results)?;
             carry_out(&sweep, args)
         }
-        Executor::Slurm => submit(&sweep, &plan.name, args, further),
+        Executor::Slurm => {
+            let submitted = submit(&sweep, &plan.name, args, further)?;
+            copy::save(&protocol, &results)?;
+            Ok(submitted)
+        }
     }
 }
 
