@@ -66,7 +66,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// The same, through to the disk before it is in place.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let file = written(path, bytes)?;
     file.as_file().sync_all()?;
@@ -81,7 +81,7 @@ fn written(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Removes from `folder` what killed processes left of [`file`]s. Whatever has another name, is no regular
+/// Removes from `folder` what killed processes left of [`file()`]s. Whatever has another name, is no regular
 /// file or is being written stays, and so does what cannot be removed: it does no harm.
 pub fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

@@ -103,15 +103,11 @@ fn document(protocol: &Protocol) -> String {
 
 /// The document that runs the same as a protocol that has none.
 fn generated(protocol: &Protocol) -> String {
-    let mut named = protocol.clone();
-    if named.name.is_empty() {
-        named.name_by_options();
-    }
     let names = |ids: &[String]| toml::Value::Array(ids.iter().map(|id| id.as_str().into()).collect());
     // Seeds that TOML's integers cannot hold are none that a run can have.
     let seeds = protocol.seeds.iter().map(|&seed| i64::try_from(seed).unwrap_or(i64::MAX).into()).collect();
     let mut table = Table::from_iter([
-        ("name".to_owned(), named.name.as_str().into()),
+        ("name".to_owned(), protocol.name.as_str().into()),
         ("description".to_owned(), protocol.description.as_str().into()),
         ("environments".to_owned(), names(&protocol.environments)),
         ("curricula".to_owned(), names(&protocol.curricula)),
@@ -213,6 +209,7 @@ mod tests {
         for assignment in ["budget.steps=400", "student.width=8"] {
             protocol.set(ConfigLayer::from_assignment("--set", assignment).expect("sound"));
         }
+        protocol.name_by_options();
         let again = Protocol::parse("copy", &document(&protocol), &registry).expect("sound");
         assert_eq!(
             Plan::new(&again, &registry).expect("sound"),
