@@ -111,13 +111,15 @@ pub(crate) struct PartSide {
 /// time.
 const ROWS_PER_PART: usize = 512;
 
-/// The largest divisor of `n` between a quarter of [`ROWS_PER_PART`] and [`ROWS_PER_PART`]; `n` itself if
-/// there is none.
-pub(crate) fn rows_per_part(n: usize, device: Device) -> usize {
-    if !in_reach(device) {
-        return n;
-    }
-    let fitting = (ROWS_PER_PART / 4..=ROWS_PER_PART).rev().find(|rows| n.is_multiple_of(*rows));
+/// The largest divisor of `n` between a quarter of the most rows and the most, which are [`ROWS_PER_PART`],
+/// or twice as many where a number takes half the memory; `n` itself if there is none.
+pub(crate) fn rows_per_part(n: usize, arithmetic: Arithmetic) -> usize {
+    let most = match arithmetic.precision {
+        _ if !in_reach(arithmetic.device) => return n,
+        Precision::F32 => ROWS_PER_PART,
+        Precision::Bf16 => 2 * ROWS_PER_PART,
+    };
+    let fitting = (most / 4..=most).rev().find(|rows| n.is_multiple_of(*rows));
     fitting.unwrap_or(n)
 }
 
@@ -144,7 +146,7 @@ impl TransitionInputs {
         let matrix = |columns| InputMatrix::new(members, n, columns, arithmetic);
         let (current, next) = (matrix(dims.critic_inputs())?, matrix(dims.critic_inputs())?);
         let rewards = InputMatrix::new(members, n, 1, Arithmetic::single(arithmetic.device))?;
-        let rows = rows_per_part(n, arithmetic.device);
+        let rows = rows_per_part(n, arithmetic);
         let blocks = [&current.block, &next.block, &rewards.block];
         let parts = (0..n)
             .step_by(rows)

@@ -28,7 +28,7 @@ impl ValueLearner {
         arithmetic: Arithmetic,
         rng: &mut Rng,
     ) -> Result<Self, TchError> {
-        let rows = rows_per_part(n, arithmetic.device);
+        let rows = rows_per_part(n, arithmetic);
         Ok(Self {
             networks: Trained::new(shape, members, arithmetic, rng)?,
             passes: Passes::new(shape, members, rows, arithmetic)?,

@@ -272,7 +272,7 @@ fn relative_distance(got: &[Tensor], expected: &[Tensor]) -> f64 {
 #[test]
 fn gradients_on_another_device_are_those_of_automatic_differentiation() {
     far_away(|| {
-        assert_eq!(rows_per_part(1024, Device::Cpu), 1024);
+        assert_eq!(rows_per_part(1024, Arithmetic::single(Device::Cpu)), 1024);
         let cases = [(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7)];
         check_gradients(&cases, Precision::F32, SINGLE_ERROR);
         check_gradients(&cases, Precision::Bf16, ROUNDED_ERROR);
@@ -282,7 +282,7 @@ fn gradients_on_another_device_are_those_of_automatic_differentiation() {
 #[test]
 fn gradients_are_those_of_automatic_differentiation() {
     // 7 are one part of an odd size, 1024 come in several.
-    assert!(rows_per_part(1024, Device::Cpu) < 1024);
+    assert!(rows_per_part(1024, Arithmetic::single(Device::Cpu)) < 1024);
     let two_and_three = [(2, 1), (2, 7), (2, 256), (2, 1024), (3, 1), (3, 7), (3, 256), (3, 1024)];
     let others = [(1, 7), (4, 7), (8, 7)];
     let cases = [&two_and_three[..], &others].concat();

@@ -53,7 +53,7 @@ impl Learner {
             actor: actor_networks,
             critic,
             steps: 0,
-            actor_passes: Passes::new(actor, 1, rows_per_part(n, arithmetic.device), arithmetic)?,
+            actor_passes: Passes::new(actor, 1, rows_per_part(n, arithmetic), arithmetic)?,
             inputs: TransitionInputs::new(dims, 1, n, arithmetic)?,
             rates: Rates { actor: config.actor_lr, critic: config.critic_lr, action_l2: config.action_l2 },
         })

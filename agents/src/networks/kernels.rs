@@ -180,15 +180,20 @@ impl Stored for f32 {
     }
 }
 
+/// Without branches, so that loops over many numbers can use wide registers.
 impl Stored for bf16 {
     #[inline(always)]
     fn wide(self) -> f32 {
-        self.to_f32()
+        f32::from_bits(u32::from(self.to_bits()) << 16)
     }
 
+    /// To the nearest number, or the even one of two; NaN stays NaN.
     #[inline(always)]
     fn rounded(wide: f32) -> Self {
-        Self::from_f32(wide)
+        let bits = wide.to_bits();
+        let nearest = bits.wrapping_add(0x7fff + ((bits >> 16) & 1));
+        let kept = if wide.is_nan() { bits | 0x0040_0000 } else { nearest };
+        Self::from_bits((kept >> 16) as u16)
     }
 }
 
@@ -366,6 +371,19 @@ mod tests {
             mask_and_add_column_sums(&sent, &hidden, &delta, &sums).unwrap();
             assert_eq!(all(&delta), expected, "{way:?}");
             assert_eq!(all(&sums), [13.0, 8.0, 9.5, 14.0], "{way:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_the_crate_rounds_them() {
+        let mut rng = envs::rng::stream(0, envs::rng::Purpose::Weights);
+        let ties =
+            [0x3f80_8000, 0x3f81_8000, 0x7f7f_ffff, 0x0000_8000, 0xff80_0000, 0x7fc0_0001, 0x7f80_0001];
+        for bits in (0..100_000).map(|_| rand::Rng::random(&mut rng)).chain(ties) {
+            let wide = f32::from_bits(bits);
+            let (ours, theirs) = (<bf16 as Stored>::rounded(wide), bf16::from_f32(wide));
+            assert_eq!(ours.to_bits(), theirs.to_bits(), "{bits:x}");
+            assert!(ours.wide() == theirs.to_f32() || wide.is_nan() && ours.wide().is_nan(), "{bits:x}");
         }
     }
 
