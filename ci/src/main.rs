@@ -69,8 +69,8 @@ enum Task {
     /// Kill sweeps, workers and merges at random moments, begin them again, and check that the results equal
     /// those of a sweep that was never killed, byte for byte.
     ///
-    /// A kill takes two or three seconds. If anything differs, the exit code is 1, each difference is named and the
-    /// folders are kept.
+    /// A kill takes two or three seconds. If anything differs, the exit code is 1, each difference is named
+    /// and the folders are kept.
     Torture {
         #[command(flatten)]
         options: torture::Options,

@@ -91,7 +91,8 @@ fn check(heading: &str, outputs: &[Value]) {
             if rows.iter().any(|row| is_inner(&row)) {
                 continue;
             }
-            // A list item that is an object, and the list itself, stand in rows of their own or of their fields.
+            // A list item that is an object, and the list itself, stand in rows of their own or of their
+            // fields.
             let row = rows.iter().find(|row| row.is_of(path));
             let Some(row) = row else {
                 let has_fields = rows.iter().any(|row| row.path.starts_with(&format!("{path}.")));

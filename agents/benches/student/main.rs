@@ -3,8 +3,9 @@
 //!
 //! - `update/L x256/to its products`: a gradient step on a batch as a multiple of its bare products, measured
 //!   in turn so that both meet the same machine (at most 1.15 is wanted);
-//! - `precision/L x256/bf16 to f32`: a gradient step with products in bf16 as a multiple of one in singles (at
-//!   most 0.35 is wanted where the processor has AMX, 0.62 where it has AVX512-BF16; elsewhere it is slower);
+//! - `precision/L x256/bf16 to f32`: a gradient step with products in bf16 as a multiple of one in singles
+//!   (at most 0.35 is wanted where the processor has AMX, 0.62 where it has AVX512-BF16; elsewhere it is
+//!   slower);
 //! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most
 //!   0.05);
 //! - `act/one observation` (at most 20 µs) and `confidence/1000 goals`: times.

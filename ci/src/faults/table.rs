@@ -117,8 +117,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "actor-sign",
         title: "the actor descends the critic's value",
         file: "agents/src/losses.rs",
-        original: "            slope.fill(-1.0 / n as f32);\n",
-        faulty: "            slope.fill(1.0 / n as f32);\n",
+        original: "slope.fill(-1.0 / n as f32));\n",
+        faulty: "slope.fill(1.0 / n as f32));\n",
         shows: true,
     },
 ];

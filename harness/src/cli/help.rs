@@ -12,8 +12,8 @@ const GLOSSARY: &str = include_str!("../../docs/glossary.md");
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A command such as `run`, or a page: `config` (a path after it shows a part, as in `config student.noise`),
-    /// `json` or `glossary`
+    /// A command such as `run`, or a page: `config` (a path after it shows a part, as in `config
+    /// student.noise`), `json` or `glossary`
     subject: Vec<String>,
 }
 

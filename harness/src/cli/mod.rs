@@ -166,8 +166,8 @@ fn without_a_command(answer: &clap::Error) -> ExitCode {
     ExitCode::Success
 }
 
-/// Makes a file that outgrows the system's limit (`ulimit -f`) an error of that write, like a full disk, where
-/// it would end the process.
+/// Makes a file that outgrows the system's limit (`ulimit -f`) an error of that write, like a full disk,
+/// where it would end the process.
 fn outlive_file_limits() {
     // If the system refuses, all stays as it was.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());

@@ -41,9 +41,9 @@ pub struct HeatMap {
 
 impl HeatMap {
     /// Counts the episodes of a group's runs, each with its lines by rising step; `end` is the number of
-    /// training steps that thirds are thirds of, the same for all groups of a maze. An episode belongs to the third in which it ended: a line
-    /// holds all episodes since the one before it, which are taken to be equally long. `None` if no goal is a
-    /// position in the plane.
+    /// training steps that thirds are thirds of, the same for all groups of a maze. An episode belongs to the
+    /// third in which it ended: a line holds all episodes since the one before it, which are taken to be
+    /// equally long. `None` if no goal is a position in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         maze: &MazeInfo,

@@ -12,8 +12,8 @@ use crate::analysis::group::Group;
 pub struct VariantSettings {
     /// Its label.
     pub variant: String,
-    /// What it changes: `curriculum.teach.window = 3 (10)`, the value that it has in the place of the other in
-    /// brackets; one per setting.
+    /// What it changes: `curriculum.teach.window = 3 (10)`, the value that it has in the place of the other
+    /// in brackets; one per setting.
     pub settings: Vec<String>,
     /// Whether that is against the method's default; otherwise there is none, and these are the settings in
     /// which its variants differ.

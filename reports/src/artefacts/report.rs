@@ -41,7 +41,8 @@ pub struct Written {
 /// bytes.
 ///
 /// # Errors
-/// What [`Store::read`] refuses; [`ReportError::NotInResults`]; [`ReportError::NoRecords`] if there is nothing to draw;
+/// What [`Store::read`] refuses; [`ReportError::NotInResults`]; [`ReportError::NoRecords`] if there is
+/// nothing to draw;
 /// [`ReportError::Option`];
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {

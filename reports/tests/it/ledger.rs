@@ -272,8 +272,8 @@ fn what_cannot_reach_the_level_is_undecided_and_said() {
     let expected = "ahead in 1 and behind in 0 of 1 environment, 7 pairs of runs; too few seeds: p of 7 pairs cannot fall \
                     below 0.0156, 0.0125 is needed";
     assert_eq!(entry.evidence, expected);
-    for (curriculum, rate) in [("nova", 0.9), ("wren", 0.1)] {
-        write_run(results.path(), &key("RoomA", curriculum, "default", 7), &[0.0, rate]);
+    for (curriculum, rate, config) in [("nova", 0.9, nova(10, 1, "online")), ("wren", 0.1, json!({}))] {
+        write_configured(results.path(), &key("RoomA", curriculum, "default", 7), &[0.0, rate], config);
     }
     assert_eq!(wren().verdict, Verdict::Confirmed, "an eighth pair makes it 1/128");
 }

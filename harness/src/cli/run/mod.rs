@@ -40,7 +40,8 @@ pub(super) struct Args {
     /// Where the student computes: cpu or cuda; short for --set student.device=NAME
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
-    /// Any config field, as in curriculum.teach.window=5; `goalbench help config` explains them all [repeatable]
+    /// Any config field, as in curriculum.teach.window=5; `goalbench help config` explains them all
+    /// [repeatable]
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Results folder [default: results/NAME, after the protocol's name]

@@ -12,8 +12,8 @@ pub struct Paper {
     pub control: Option<String>,
     /// Its environments, as environment ids. Where a task can be run under several ids, each of them counts.
     pub tasks: Vec<Vec<String>>,
-    /// Protocols that do what it did, or part of it. Only of their results it is said what they lack for being
-    /// the paper's.
+    /// Protocols that do what it did, or part of it. Only of their results it is said what they lack for
+    /// being the paper's.
     pub protocols: Vec<PaperProtocol>,
     /// Where it shows its main comparison: `Figures 2 and 6`.
     pub figures: String,
