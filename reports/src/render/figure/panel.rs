@@ -22,8 +22,8 @@ const TICK: f64 = 7.0;
 pub(super) const TITLE_HEIGHT: i32 = 56;
 pub(super) const X_TICKS_HEIGHT: i32 = 50;
 pub(super) const X_NAME_HEIGHT: i32 = 44;
-pub(super) const Y_NAME_WIDTH: i32 = 50;
-const Y_TICKS_WIDTH: i32 = 74;
+pub(super) const Y_NAME_WIDTH: i32 = 46;
+const Y_TICKS_WIDTH: i32 = 80;
 /// Half of the last tick's label sticks out by less than this.
 const RIGHT_MARGIN: i32 = 44;
 
