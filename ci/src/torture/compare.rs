@@ -46,6 +46,10 @@ const HEADER: (usize, usize) = (8, 12);
 const CLOCK: usize = 96;
 
 fn rule(path: &Path) -> Rule {
+    // Copies of protocols tell of requests, and whoever was killed was asked more than once.
+    if path.starts_with("protocols") {
+        return Rule::Free;
+    }
     let name = path.file_name().unwrap_or_default();
     RULES.iter().find(|(ruled, _)| name == *ruled).map_or(Rule::Bytes, |(_, rule)| *rule)
 }

@@ -23,7 +23,9 @@ pub(super) const TITLE_HEIGHT: i32 = 56;
 pub(super) const X_TICKS_HEIGHT: i32 = 50;
 pub(super) const X_NAME_HEIGHT: i32 = 44;
 pub(super) const Y_NAME_WIDTH: i32 = 46;
-const Y_TICKS_WIDTH: i32 = 80;
+const Y_TICKS_WIDTH: i32 = 74;
+/// Further room for every digit of a tick after the first behind the point.
+const DIGIT_WIDTH: i32 = 20;
 /// Half of the last tick's label sticks out by less than this.
 const RIGHT_MARGIN: i32 = 44;
 
@@ -89,7 +91,7 @@ pub(super) struct Panel<'a> {
 impl Panel<'_> {
     /// Draws the panel on the whole figure's area.
     pub(super) fn draw(&self, root: &Area<'_>) -> Result<(), ReportError> {
-        let plot_centre = self.at.0 + (Y_TICKS_WIDTH + self.size.0 - RIGHT_MARGIN) / 2;
+        let plot_centre = self.at.0 + (self.ticks_width() + self.size.0 - RIGHT_MARGIN) / 2;
         let title_style = text::style(TITLE);
         let title = text::shorten(&self.content.title, &title_style, self.size.0 - 10)?;
         // A long title is centred on the panel instead, so that it stays inside.
@@ -99,6 +101,11 @@ impl Panel<'_> {
         self.draw_names(root, &title, centre, plot_centre)
             .and_then(|()| self.draw_plot(root))
             .map_err(ReportError::figure(&self.content.title))
+    }
+
+    /// Width of the ticks' labels.
+    fn ticks_width(&self) -> i32 {
+        Y_TICKS_WIDTH + DIGIT_WIDTH * (self.content.y.digits.max(1) as i32 - 1)
     }
 
     fn draw_names(&self, root: &Area<'_>, title: &str, title_x: i32, plot_centre: i32) -> DrawResult {
@@ -126,7 +133,7 @@ impl Panel<'_> {
             .clone()
             .shrink((left, top + TITLE_HEIGHT), (self.size.0 - RIGHT_MARGIN, self.size.1 - TITLE_HEIGHT));
         let mut chart = ChartBuilder::on(&plot)
-            .y_label_area_size(Y_TICKS_WIDTH)
+            .y_label_area_size(self.ticks_width())
             .x_label_area_size(X_TICKS_HEIGHT)
             .build_cartesian_2d(
                 Axis { range: 0.0..x.end, ticks: x.ticks.clone() },

@@ -44,7 +44,7 @@ impl RateAxis {
         if low <= 0.0 && high >= 1.0 {
             return whole;
         }
-        Self { name: format!("{name} (zoomed in)"), low, high, ticks, digits }
+        Self { name: format!("{name} (zoom)"), low, high, ticks, digits }
     }
 
     /// What a tick says.
@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn an_axis_spans_what_there_is_to_see_and_says_so() {
         let axis = RateAxis::of("Success rate", true, [0.9, 0.95, 1.2]);
-        assert_eq!(axis.name, "Success rate (zoomed in)");
+        assert_eq!(axis.name, "Success rate (zoom)");
         assert!((axis.low - 0.895).abs() < 1e-9 && (axis.high - 1.0).abs() < 1e-9, "{axis:?}");
         assert_eq!(axis.ticks, [0.9, 0.95, 1.0]);
         assert_eq!(axis.label(axis.ticks[0]), "0.90");
