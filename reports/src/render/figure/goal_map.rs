@@ -4,9 +4,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
-use super::heat::scale;
 use super::shapes::{Area, DrawResult};
-use super::{page, text};
+use super::{page, scale, text};
 use crate::analysis::goal_map::{CELLS, GoalMaps, PROJECTIONS};
 use crate::analysis::heat::PHASES;
 use crate::error::ReportError;
@@ -14,16 +13,12 @@ use crate::error::ReportError;
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
 const LABEL: f64 = 8.0;
-const TICK: f64 = 7.0;
 /// Lengths in pixels.
 const TITLE_HEIGHT: i32 = 60;
 const PHASE_HEIGHT: i32 = 60;
 const LABEL_WIDTH: i32 = 280;
 const GAP: i32 = 24;
 const BLOCK_GAP: i32 = 60;
-const BAR_HEIGHT: i32 = 28;
-const BAR_WIDTH: i32 = 460;
-const BAR_LABEL_HEIGHT: i32 = 44;
 const CELL: i32 = (PAGE_WIDTH - 2 * MARGIN - LABEL_WIDTH - 4 * GAP - BLOCK_GAP) / (6 * CELLS as i32);
 const SIDE: i32 = CELL * CELLS as i32;
 
@@ -40,7 +35,7 @@ pub fn goal_map(maps: &GoalMaps) -> Result<String, ReportError> {
     text::register()?;
     let top = MARGIN + TITLE_HEIGHT + PHASE_HEIGHT;
     let bar_top = top + maps.maps.len() as i32 * (SIDE + GAP);
-    let caption_top = bar_top + BAR_HEIGHT + BAR_LABEL_HEIGHT + GAP;
+    let caption_top = bar_top + scale::BAR_HEIGHT + GAP;
     let caption = page::caption_lines(&caption(maps), PAGE_WIDTH)?;
     let style = text::style(LABEL).pos(Pos::new(HPos::Left, VPos::Center));
     let names = maps.maps.iter().map(|map| text::shorten(&map.key.name(), &style, LABEL_WIDTH - GAP));
@@ -113,7 +108,7 @@ fn draw_map(root: &Area<'_>, shares: &[f64], most: f64, at: (i32, i32)) -> DrawR
         let corner = (at.0 + column as i32 * CELL, at.1 + row as i32 * CELL);
         root.draw(&Rectangle::new(
             [corner, (corner.0 + CELL, corner.1 + CELL)],
-            scale(share / most).filled(),
+            scale::colour(share / most).filled(),
         ))?;
     }
     root.draw(&Rectangle::new([at, (at.0 + SIDE, at.1 + SIDE)], FRAME.stroke_width(2)))
@@ -121,19 +116,5 @@ fn draw_map(root: &Area<'_>, shares: &[f64], most: f64, at: (i32, i32)) -> DrawR
 
 /// The colour scale of all maps below them.
 fn draw_bar(root: &Area<'_>, most: f64, top: i32) -> DrawResult {
-    let start = PAGE_WIDTH / 2 - BAR_WIDTH / 2;
-    for x in 0..BAR_WIDTH {
-        let colour = scale(f64::from(x) / f64::from(BAR_WIDTH - 1));
-        // Down to the end of the bar, under the strips that follow: no hairlines between them.
-        root.draw(&Rectangle::new(
-            [(start + x, top), (start + BAR_WIDTH, top + BAR_HEIGHT)],
-            colour.filled(),
-        ))?;
-    }
-    let below = Pos::new(HPos::Center, VPos::Top);
-    let highest = format!("{:.1} %", 100.0 * most);
-    for (x, label) in [(0, "0 %"), (BAR_WIDTH / 2, "of goals"), (BAR_WIDTH, highest.as_str())] {
-        root.draw_text(label, &text::style(TICK).pos(below), (start + x, top + BAR_HEIGHT + 8))?;
-    }
-    Ok(())
+    scale::draw_bar(root, ["0 %", "of goals", &format!("{:.1} %", 100.0 * most)], (PAGE_WIDTH / 2, top))
 }

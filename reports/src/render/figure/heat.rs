@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
-use super::{page, text};
+use super::{page, scale, text};
 use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, HeatPhase, MazeHeat, PHASES};
 use crate::error::ReportError;
@@ -23,21 +23,12 @@ const PHASE_HEIGHT: i32 = 60;
 const LABEL_WIDTH: i32 = 280;
 const GAP: i32 = 24;
 const BLOCK_GAP: i32 = 60;
-const BAR_HEIGHT: i32 = 28;
-const BAR_WIDTH: i32 = 460;
-const BAR_LABEL_HEIGHT: i32 = 44;
 const REASON_HEIGHT: i32 = 44;
 
-/// Darker than all of [`SCALE`], in grey too.
+/// Darker than the whole scale, in grey too.
 const WALL: RGBColor = RGBColor(20, 20, 20);
 /// A free cell without a colour: no goal lay there, or too few for a rate.
 const UNSEEN: RGBColor = RGBColor(255, 255, 255);
-
-/// From low to high; lightness falls steadily, so that it reads in grey and with any colour vision (the
-/// colours of viridis, by Smith and van der Walt 2015, from its light end; its dark end would look like
-/// walls).
-const SCALE: [(u8, u8, u8); 5] =
-    [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135)];
 
 /// The heat maps of the methods run in one maze, as SVG.
 ///
@@ -82,7 +73,7 @@ impl<'a> Sheet<'a> {
         let top = MARGIN + TITLE_HEIGHT + PHASE_HEIGHT;
         let bars_top = top + self.maps.len() as i32 * (self.map_side() + GAP);
         let caption = page::caption_lines(&text::printable(&self.caption()), PAGE_WIDTH)?;
-        let caption_top = bars_top + BAR_HEIGHT + BAR_LABEL_HEIGHT + GAP;
+        let caption_top = bars_top + scale::BAR_HEIGHT + GAP;
         let label_style = text::style(LABEL).pos(Pos::new(HPos::Left, VPos::Center));
         let mut labels = Vec::with_capacity(self.maps.len());
         for map in self.maps {
@@ -175,7 +166,7 @@ impl<'a> Sheet<'a> {
             let (row, column) = (index / side, index % side);
             let colour = match value {
                 _ if self.maze.cell(row, column) == '#' => WALL,
-                Some(value) => scale(*value),
+                Some(value) => scale::colour(*value),
                 None => UNSEEN,
             };
             let corner = (at.0 + column as i32 * self.cell, at.1 + row as i32 * self.cell);
@@ -218,32 +209,10 @@ impl<'a> Sheet<'a> {
         let most = format!("{:.1} %", self.most * 100.0);
         let bars = [(0, "0 %", most.as_str(), "of goals"), (1, "0.0", "1.0", "success rate")];
         for (block, low, high, what) in bars {
-            let left = self.left(block, 1) + self.map_side() / 2 - BAR_WIDTH / 2;
-            for x in 0..BAR_WIDTH {
-                let colour = scale(f64::from(x) / f64::from(BAR_WIDTH - 1));
-                // Down to the end of the bar, under the strips that follow: no hairlines between them.
-                root.draw(&Rectangle::new(
-                    [(left + x, top), (left + BAR_WIDTH, top + BAR_HEIGHT)],
-                    colour.filled(),
-                ))?;
-            }
-            let below = Pos::new(HPos::Center, VPos::Top);
-            for (x, label) in [(0, low), (BAR_WIDTH / 2, what), (BAR_WIDTH, high)] {
-                root.draw_text(label, &text::style(TICK).pos(below), (left + x, top + BAR_HEIGHT + 8))?;
-            }
+            scale::draw_bar(root, [low, what, high], (self.left(block, 1) + self.map_side() / 2, top))?;
         }
         Ok(())
     }
-}
-
-/// The colour of a value in [0, 1], between its neighbours on [`SCALE`].
-pub(super) fn scale(value: f64) -> RGBColor {
-    let position = value.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
-    let below = (position as usize).min(SCALE.len() - 2);
-    let share = position - below as f64;
-    let ((r0, g0, b0), (r1, g1, b1)) = (SCALE[below], SCALE[below + 1]);
-    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
-    RGBColor(mix(r0, r1), mix(g0, g1), mix(b0, b1))
 }
 
 #[cfg(test)]
@@ -259,10 +228,10 @@ mod tests {
 
     #[test]
     fn the_scale_darkens_steadily_between_white_and_walls() {
-        let greys: Vec<f64> = (0..=100).map(|i| grey(scale(f64::from(i) / 100.0))).collect();
+        let greys: Vec<f64> = (0..=100).map(|i| grey(scale::colour(f64::from(i) / 100.0))).collect();
         assert!(greys.windows(2).all(|pair| pair[1] <= pair[0]), "{greys:?}");
         assert!(greys[0] < grey(UNSEEN) - 25.0 && greys[100] > grey(WALL) + 25.0, "{greys:?}");
-        assert_eq!(scale(0.125), RGBColor(188, 220, 59));
+        assert_eq!(scale::colour(0.125), RGBColor(188, 220, 59));
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod panel;
 mod profile;
 mod raster;
 mod rates;
+mod scale;
 mod shapes;
 mod style;
 mod text;
