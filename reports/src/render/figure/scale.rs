@@ -30,7 +30,8 @@ pub(super) fn colour(value: f64) -> RGBColor {
     RGBColor(mix(r0, r1), mix(g0, g1), mix(b0, b1))
 }
 
-/// The scale as a bar, `labels` below its beginning, middle and end; the point given is the middle of its upper edge.
+/// The scale as a bar, `labels` below its beginning, middle and end; the point given is the middle of its
+/// upper edge.
 pub(super) fn draw_bar(root: &Area<'_>, labels: [&str; 3], (centre, top): (i32, i32)) -> DrawResult {
     let left = centre - WIDTH / 2;
     for x in 0..WIDTH {
