@@ -10,6 +10,8 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
+//! Whoever wants to know more than training shows asks for [`Rollouts`].
+//!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
 
@@ -22,6 +24,7 @@ pub mod methods;
 mod pool_state;
 mod probe;
 mod registry;
+mod rollouts;
 pub mod snapshot;
 mod state;
 mod teacher;
@@ -37,6 +40,7 @@ pub use method::Method;
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
 pub use registry::{CURRICULA, Configure, Entry};
+pub use rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
 pub use state::{PlainState, TeacherState};
 pub use teacher::Teacher;
 pub use variance::{ROUNDING, population_variance, rounding};
