@@ -6,6 +6,7 @@ use std::time::Duration;
 use envs::rng::Rng;
 use envs::{Observation, Reward, Rows, Spec};
 
+use crate::actor::PolicyWeights;
 use crate::batch::Batch;
 use crate::diagnosis::Diagnosis;
 use crate::episode::{Episode, Trajectory};
@@ -177,6 +178,12 @@ pub trait Agent: Critic + Send {
     /// # Errors
     /// [`AgentError::Torch`] if libtorch refuses.
     fn diagnose(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<Diagnosis, AgentError>;
+
+    /// The greedy policy as plain numbers: what a program without this crate needs to act as it does.
+    ///
+    /// # Errors
+    /// [`AgentError::Torch`] if the parameters cannot be read.
+    fn weights(&self) -> Result<PolicyWeights, AgentError>;
 
     /// Appends the episodes that came in since the last save to the log in folder `replay` (created if
     /// missing) and returns everything else the student is: networks, optimisers, normalisers, counters.

@@ -45,6 +45,7 @@
 //! # }
 //! ```
 
+mod actor;
 mod agent;
 mod auto;
 mod batch;
@@ -70,6 +71,7 @@ mod runtime;
 mod seal;
 mod value;
 
+pub use actor::{DenseLayer, InputScaling, PolicyWeights};
 pub use agent::{Agent, Critic, Mode, Network};
 pub use auto::Auto;
 pub use batch::Batch;

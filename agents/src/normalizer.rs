@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::actor::InputScaling;
 use crate::auto::Auto;
 use crate::checks::{MOST_EPISODES, at_most, positive};
 use crate::error::AgentError;
@@ -184,6 +185,16 @@ impl Normalizer {
         let after = self.config.clip_after as f32;
         for (((out, x), &mean), &scale) in out.iter_mut().zip(row).zip(&self.mean).zip(&self.scale) {
             *out = ((x.clamp(-before, before) - mean) * scale).clamp(-after, after);
+        }
+    }
+
+    /// What [`Normalizer::normalize`] does, in numbers.
+    pub(crate) fn scaling(&self) -> InputScaling {
+        InputScaling {
+            mean: self.mean.clone(),
+            scale: self.scale.clone(),
+            clip_before: self.config.clip_before as f32,
+            clip_after: self.config.clip_after as f32,
         }
     }
 

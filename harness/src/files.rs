@@ -1,10 +1,19 @@
 //! Files that appear whole or not at all.
 
+use std::fs::File;
 use std::path::Path;
 
 pub(crate) use guard::fresh::file as new_file;
 use guard::fresh::write_through;
 use serde::Serialize;
+
+/// Sees the file at `path` through to the disk.
+///
+/// # Errors
+/// If the system cannot.
+pub(crate) fn sync(path: &Path) -> std::io::Result<()> {
+    File::open(path)?.sync_all()
+}
 
 /// Writes `value` as pretty JSON, whole or not at all.
 ///

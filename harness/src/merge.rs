@@ -1,7 +1,6 @@
 //! Bringing results of several machines together.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::schema::{Outcome, RunKey};
@@ -10,9 +9,10 @@ use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
+use crate::fresh_folder::{FolderKind, FreshFolder, refuse_existing};
 use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
-use crate::run::lock::{Lock, is_locked};
+use crate::run::lock::is_locked;
 
 /// What a merge did.
 #[derive(Debug, Default)]
@@ -56,9 +56,7 @@ struct Copies {
 /// every conflicting run, [`HarnessError::Exists`] if `out` does, [`HarnessError::Locked`] if a process is
 /// carrying out a run, and whatever keeps files from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
-    if out.symlink_metadata().is_ok() {
-        return Err(HarnessError::Exists { folder: out.to_owned() });
-    }
+    refuse_existing(out)?;
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
@@ -164,26 +162,11 @@ fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
     (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
 }
 
-const PREFIX: &str = ".goalbench-merge-";
-/// Characters after it, which no two folders share.
-const RANDOM: usize = 12;
+const KIND: FolderKind = FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols"] };
 
 /// Copies into a temporary neighbour of `out`, checks what was copied, then renames it.
 fn copy_all(runs: &[Candidate], sources: &[PathBuf], out: &Path) -> Result<(), HarnessError> {
-    let parent = match out.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(parent).map_err(HarnessError::io(parent, "create this folder"))?;
-    sweep(parent);
-    let fresh = tempfile::Builder::new()
-        .prefix(PREFIX)
-        .rand_bytes(RANDOM)
-        .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777))
-        .tempdir_in(parent)
-        .map_err(HarnessError::io(parent, "write in this folder"))?;
-    // Held as a sweep holds its results, so that no other merge takes it for abandoned.
-    let _lock = Lock::take(fresh.path())?;
+    let fresh = FreshFolder::beside(out, &KIND)?;
     for one in runs {
         let to = layout::run_dir(fresh.path(), &one.sound.manifest.run);
         one.folder.copy_to(&to)?;
@@ -193,34 +176,5 @@ fn copy_all(runs: &[Candidate], sources: &[PathBuf], out: &Path) -> Result<(), H
     for source in sources {
         copy::bring(source, fresh.path())?;
     }
-    fs::rename(fresh.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
-    // Renamed away: there is nothing left for the guard to remove.
-    let _ = fresh.keep();
-    Ok(())
-}
-
-/// Removes from `parent` what merges left behind that were killed: folders with their name and content that
-/// nobody holds. What cannot be removed stays; it does no harm.
-fn sweep(parent: &Path) {
-    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX)).unwrap_or_default();
-        let is_named = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_named
-            && is_folder
-            && holds_runs_alone(&entry.path())
-            && let Ok(_lock) = Lock::take(&entry.path())
-        {
-            let _ = fs::remove_dir_all(entry.path());
-        }
-    }
-}
-
-fn holds_runs_alone(folder: &Path) -> bool {
-    let runs = layout::runs_dir(Path::new(""));
-    let is_ours = |name: &Path| name == runs || name == Path::new(layout::LOCK);
-    fs::read_dir(folder).is_ok_and(|mut entries| {
-        entries.all(|entry| entry.is_ok_and(|entry| is_ours(entry.file_name().as_ref())))
-    })
+    fresh.put(out)
 }

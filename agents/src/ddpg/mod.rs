@@ -45,6 +45,7 @@ use std::time::{Duration, Instant};
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Observation, Reward, Rows, Spec};
 
+use crate::actor::PolicyWeights;
 use crate::agent::{Agent, Critic, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
 use crate::config::{PolyakEvery, StudentConfig};
@@ -54,7 +55,7 @@ use crate::episode::{Episode, Trajectory};
 use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
-use crate::networks::{Output, Shape};
+use crate::networks::{Output, Parameters, Shape};
 use crate::noise::{Noise, uniform};
 use crate::normalizer::Normalizer;
 use crate::precision::Arithmetic;
@@ -268,6 +269,14 @@ impl Agent for Ddpg {
             replay_episodes: self.replay.len() as u64,
             replay_transitions: self.replay.transitions() as u64,
             dry_step,
+        })
+    }
+
+    fn weights(&self) -> Result<PolicyWeights, AgentError> {
+        Ok(PolicyWeights {
+            state: self.normalizers.state.scaling(),
+            goal: self.normalizers.goal.scaling(),
+            layers: self.learner.actor.network(Parameters::Online).dense()?,
         })
     }
 

@@ -6,6 +6,7 @@ use tch::{TchError, Tensor};
 
 use super::block::{Block, copy};
 use super::shape::{Layer, Shape};
+use crate::actor::DenseLayer;
 use crate::precision::{Arithmetic, Precision};
 
 /// One number for every parameter of E networks of one shape: the parameters themselves, or their gradients.
@@ -98,6 +99,18 @@ impl Stack {
     /// All numbers, member after member.
     pub(crate) fn numbers(&self) -> Result<Vec<f32>, TchError> {
         Vec::try_from(self.flat.f_view(-1)?)
+    }
+
+    /// The layers of the first network.
+    pub(crate) fn dense(&self) -> Result<Vec<DenseLayer>, TchError> {
+        let numbers = |tensor: &Tensor| Vec::try_from(tensor.f_contiguous()?.f_view(-1)?);
+        let layer = |views: &LayerViews| {
+            let (weight, bias) = (&views.weight.transposed.members[0], &views.bias.plain.members[0]);
+            let (outputs, inputs) = weight.size2()?;
+            let (inputs, outputs) = (inputs as usize, outputs as usize);
+            Ok(DenseLayer { inputs, outputs, weight: numbers(weight)?, bias: numbers(bias)? })
+        };
+        self.layers.iter().map(layer).collect()
     }
 
     /// Overwrites all numbers; there must be as many.

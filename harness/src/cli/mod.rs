@@ -21,6 +21,7 @@
 //!    (`harness/docs/`).
 
 mod evaluate;
+mod export;
 mod flags;
 mod help;
 mod list;
@@ -77,6 +78,8 @@ enum Command {
     Report(report::Args),
     /// Play many more episodes with the trained policies of runs, to tell them apart
     Evaluate(evaluate::Args),
+    /// Write a trained policy in open formats, for programs of others
+    Export(export::Args),
     /// Draw episodes of a trained run, or of random actions, as an animated GIF or PNG frames
     Render(render::Args),
     /// Replay traces recorded from the original environments and compare, step for step
@@ -131,6 +134,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::Report(args) => report::report(&registry, &args),
         Command::Evaluate(args) => evaluate::evaluate(&registry, &args),
+        Command::Export(args) => export::export(&registry, &args),
         Command::Render(args) => render::render(&registry, &args),
         Command::Verify(args) => verify::verify(&args),
         Command::Regress(args) => regress::regress(&registry, &args),

@@ -58,6 +58,11 @@ impl Policy {
         self.config.budget.steps
     }
 
+    /// Whether it was trained with MuJoCo's native CCD; means nothing where nothing is simulated.
+    pub fn native_ccd(&self) -> bool {
+        self.config.physics.native_ccd
+    }
+
     /// A new instance of the environment that the run trains on.
     ///
     /// # Errors

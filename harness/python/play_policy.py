@@ -1,0 +1,60 @@
+"""Plays a policy that `goalbench export RUN --out DIR` wrote: `python play_policy.py DIR [EPISODES [SEED]]`.
+
+Needs torch; to play also gymnasium-robotics 1.4.2 with mujoco 3.3.7. Mazes (and worlds of your own) are no part of
+Gymnasium-Robotics: of those `Policy.act` gives the actions, and `goalbench evaluate` plays them.
+"""
+import json
+import sys
+from pathlib import Path
+
+import torch
+
+VERSIONS = {"FetchReach": 4, "FetchPush": 4, "FetchSlide": 4, "FetchPickAndPlace": 4, "HandReach": 3}
+
+
+class Policy:
+    def __init__(self, folder):
+        self.about = json.loads((Path(folder) / "policy.json").read_text())
+        raw = (Path(folder) / "policy.safetensors").read_bytes()
+        start = 8 + int.from_bytes(raw[:8], "little")
+        self.numbers = {}
+        for name, entry in json.loads(raw[8:start]).items():
+            if name != "__metadata__":
+                first, end = entry["data_offsets"]
+                flat = torch.frombuffer(bytearray(raw[start + first:start + end]), dtype=torch.float32)
+                self.numbers[name] = flat.reshape(entry["shape"])
+
+    def act(self, observation):
+        """Greedy actions, `[..., A]`, for `observation` and `desired_goal`, `[..., S]` and `[..., G]`, of a dictionary."""
+        parts = []
+        for part in self.about["inputs"]:
+            x = torch.as_tensor(observation[part["observation"]]).float()
+            x = x.clamp(-part["clip_before"], part["clip_before"]) - self.numbers[part["mean"]]
+            parts.append((x * self.numbers[part["scale"]]).clamp(-part["clip_after"], part["clip_after"]))
+        x = torch.cat(parts, dim=-1).double()
+        for layer in self.about["layers"]:
+            x = x @ self.numbers[layer["weight"]].double().T + self.numbers[layer["bias"]].double()
+            x = getattr(torch, layer["activation"])(x)
+        return x.numpy()
+
+
+def play(policy, episodes=100, seed=0):
+    """The share of `episodes` that end in success."""
+    import gymnasium, gymnasium_robotics, mujoco
+    gymnasium.register_envs(gymnasium_robotics)
+    task = policy.about["environment"]
+    env = gymnasium.make(f"{task['id']}-v{VERSIONS.get(task['id'], 1)}", max_episode_steps=task["horizon"])
+    if not task["native_ccd"]:
+        env.unwrapped.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_NATIVECCD
+    successes = 0
+    for episode in range(episodes):
+        observation, done = env.reset(seed=seed + episode)[0], False
+        while not done:
+            observation, _, terminated, truncated, info = env.step(policy.act(observation))
+            done = terminated or truncated
+        successes += info["is_success"]
+    return successes / episodes
+
+
+if __name__ == "__main__":
+    print(play(Policy(sys.argv[1]), *map(int, sys.argv[2:])))
