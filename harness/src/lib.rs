@@ -7,6 +7,7 @@
 //! A program of your own with further curricula is three lines: see [`Registry`]. [`cli`] says how to add a
 //! command-line flag.
 
+pub mod archive;
 pub mod cli;
 pub mod config;
 mod console;

@@ -46,6 +46,14 @@ pub enum ReportError {
         /// The names that runs have.
         there: String,
     },
+    /// Results of others that cannot be drawn beside these.
+    #[error("{name}: {reason}")]
+    Guest {
+        /// Their name.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
     /// A folder or file that cannot be read or written.
     #[error("{path}: cannot {action}")]
     Io {

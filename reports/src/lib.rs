@@ -25,6 +25,7 @@ pub mod synthetic;
 pub mod wording;
 
 pub use analysis::catalogue::Catalogue;
+pub use analysis::guests::Guest;
 pub use analysis::options::ReportOptions;
-pub use artefacts::{Written, write};
+pub use artefacts::{TidyData, Written, tidy_data, write, write_beside};
 pub use error::ReportError;

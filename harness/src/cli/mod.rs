@@ -27,6 +27,7 @@ mod help;
 mod list;
 mod merge;
 mod misuse;
+mod pack;
 mod profile;
 mod protocol;
 mod regress;
@@ -74,6 +75,8 @@ enum Command {
     Status(status::Args),
     /// Bring the runs of several results folders together in a new one
     Merge(merge::Args),
+    /// Pack a results folder as one file that can be cited and given away
+    Pack(pack::Args),
     /// Draw the figures and tables of a results folder
     Report(report::Args),
     /// Play many more episodes with the trained policies of runs, to tell them apart
@@ -132,6 +135,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Run(args) => run::run(&registry, &args),
         Command::Status(args) => status::show(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Pack(args) => pack::run(&registry, &args),
         Command::Report(args) => report::report(&registry, &args),
         Command::Evaluate(args) => evaluate::evaluate(&registry, &args),
         Command::Export(args) => export::export(&registry, &args),

@@ -2,16 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use reports::ReportOptions;
 use reports::analysis::options::{FEWEST_PAIRS, Failures, MARGIN};
 use reports::stats::Resampling;
 use reports::store::layout;
 use reports::store::problem::StoreProblem;
+use reports::wording::counted;
+use reports::{Guest, ReportOptions};
 
 use super::{Exit, ExitCode, complain, print};
+use crate::archive::{EXTENSION, Unpacked, unpack};
 use crate::error::HarnessError;
 use crate::status::{Activity, RunStatus, status};
 use crate::{Registry, outputs, paper};
+
+/// Longest name of an archive that marks its methods in figures.
+const MOST_CHARACTERS: usize = 40;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -44,6 +49,9 @@ pub(super) struct Args {
     /// Only these curricula of the results, by id, separated by commas
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     curricula: Vec<String>,
+    /// Archive of `goalbench pack` to draw beside these results, marked by its name [repeatable]
+    #[arg(long = "with", value_name = "NAME.tar.zst")]
+    with: Vec<PathBuf>,
     /// What stands above the report [default: the names of the protocols]
     #[arg(long, value_name = "TEXT", value_parser = title)]
     title: Option<String>,
@@ -53,7 +61,7 @@ pub(super) struct Args {
 }
 
 /// A title that can be read.
-fn title(text: &str) -> Result<String, &'static str> {
+pub(super) fn title(text: &str) -> Result<String, &'static str> {
     let is_readable = !text.trim().is_empty() && !text.chars().any(char::is_control);
     is_readable.then(|| text.trim().to_owned()).ok_or("a line of text is accepted")
 }
@@ -87,6 +95,23 @@ impl Args {
     }
 }
 
+/// The results in the archive at `path`, which its file's name marks.
+fn guest(path: &Path) -> Result<Guest, HarnessError> {
+    let wrong = |reason: String| HarnessError::Argument { option: "--with", reason };
+    let file = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let is_short = |name: &&str| (1..=MOST_CHARACTERS).contains(&name.chars().count());
+    let is_readable = |name: &&str| !name.chars().any(|c| c.is_control() || "@/[]".contains(c));
+    let name = file.strip_suffix(EXTENSION).filter(is_short).filter(is_readable).ok_or_else(|| {
+        wrong(format!(
+            "{} is not called NAME{EXTENSION}, with a NAME of at most {MOST_CHARACTERS} plain characters",
+            path.display()
+        ))
+    })?;
+    let Unpacked { store, sha256 } = unpack(path).map_err(HarnessError::flag("--with"))?;
+    let source = format!("{} in {file} (SHA-256 {sha256})", counted(store.runs().len(), "run"));
+    Ok(Guest { name: name.to_owned(), source, store })
+}
+
 /// Damaged runs that `problems` do not name: of a run that may go on, records must fit its checkpoint, which
 /// reports do not read.
 fn damaged_besides(results: &Path, problems: &[StoreProblem]) -> Result<Vec<RunStatus>, HarnessError> {
@@ -104,13 +129,10 @@ pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
     if args.results.is_dir() {
         outputs::folder("report", &folder, &[])?;
     }
-    let written = reports::write(&args.results, &args.options(registry))?;
-    for path in &written.files {
-        print(&format!("{}\n", path.display()));
-    }
-    for missing in &written.missing {
-        complain(&format!("missing: {missing}"));
-    }
+    let guests = args.with.iter().map(|path| guest(path)).collect::<Result<Vec<_>, _>>()?;
+    let written = reports::write_beside(&args.results, guests, &args.options(registry))?;
+    written.files.iter().for_each(|path| print(&format!("{}\n", path.display())));
+    written.missing.iter().for_each(|missing| complain(&format!("missing: {missing}")));
     for problem in &written.problems {
         complain(&format!("goalbench: {problem}"));
     }

@@ -10,6 +10,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod archives;
 mod damage;
 mod fixture;
 mod gate;

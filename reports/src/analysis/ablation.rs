@@ -36,10 +36,10 @@ pub fn text(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// All ablations along `axis`, by environment; `groups` come in order.
+/// All ablations along `axis`, by environment; `groups` come in order. Runs of archives are no levels.
 pub fn ablations<'a>(groups: &[Group<'a>], axis: &'a Axis) -> Vec<Ablation<'a>> {
     let mut found: Vec<(&str, Value, Ablation<'a>)> = Vec::new();
-    for (index, group) in groups.iter().enumerate() {
+    for (index, group) in groups.iter().enumerate().filter(|(_, group)| group.is_own()) {
         let Some(run) = group.runs.first() else { continue };
         let Some(value) = run.manifest.config.pointer(&axis.pointer) else { continue };
         // What must agree: everything but the field itself.

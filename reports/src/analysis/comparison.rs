@@ -6,6 +6,7 @@ use crate::analysis::complete::Pair;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::{self, Group, GroupKey};
 use crate::analysis::options::ReportOptions;
+use crate::analysis::pairing;
 use crate::stats::{self, Ddof, SignFlip, Welch};
 
 /// Level that the tests of a family keep together.
@@ -56,6 +57,8 @@ pub struct Comparison<'a> {
     pub failed: usize,
     /// Seeds that both have: runs of one seed share initial weights, goals and evaluation episodes.
     pub pairs: usize,
+    /// Why runs of one seed count as no pairs, where one side comes from an archive that was made otherwise.
+    pub unpaired: Option<String>,
     /// Mean difference over those pairs; `None` without any.
     pub difference: Option<f64>,
     /// Paired bootstrap interval of it; `None` for fewer than two pairs.
@@ -88,6 +91,13 @@ pub struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
+    /// What the tests cannot say and why, in words.
+    pub fn said(&self) -> Option<String> {
+        let unpaired = self.unpaired.as_ref().map(|reason| format!("no pairs: {reason}"));
+        let parts: Vec<String> = self.note.map(str::to_owned).into_iter().chain(unpaired).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+
     /// The p-value that Holm's method corrects. Scores that are all equal differ in nothing, so that it is 1.
     fn p(&self) -> Option<f64> {
         self.welch.map(|test| test.p).or((self.note == Some(TIED)).then_some(1.0)).or(self.without_spread)
@@ -174,7 +184,9 @@ fn compare<'a>(
     options: &ReportOptions,
 ) -> Comparison<'a> {
     let (ours, theirs) = (Finals::of(&pair.a, options.window), Finals::of(&pair.b, options.window));
-    let (here, there, pairs) = (ours.scores(), theirs.scores(), ours.pairs(&theirs));
+    let unpaired = pairing::obstacle(&pair.a, &pair.b);
+    let (here, there) = (ours.scores(), theirs.scores());
+    let pairs = if unpaired.is_none() { ours.pairs(&theirs) } else { Vec::new() };
     let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
     let wins: Vec<f64> = pairs.iter().map(|(a, b)| f64::from(i8::from(a > b) - i8::from(a < b))).collect();
     let welch = stats::welch(&here, &there);
@@ -193,6 +205,7 @@ fn compare<'a>(
         left_out: pair.left_out,
         failed: pair.failed,
         pairs: pairs.len(),
+        unpaired,
         difference: stats::mean(&differences),
         difference_ci: stats::paired_interval(&pairs, options.resampling),
         sign_flip: stats::sign_flip(&[&differences], options.resampling),

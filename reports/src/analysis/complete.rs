@@ -31,7 +31,10 @@ pub fn failed_as_zero(store: &Store, failures: Failures) -> Vec<Run> {
 fn model<'a>(store: &'a Store, failed: &Run) -> Option<&'a Run> {
     let key = failed.key();
     let finished = || {
-        let here = |run: &&Run| run.is_finished() && run.key().environment == key.environment;
+        let same_results = |run: &Run| store.is_own(run) == store.is_own(failed);
+        let here = move |run: &&Run| {
+            run.is_finished() && run.key().environment == key.environment && same_results(run)
+        };
         store.runs().iter().filter(here)
     };
     let alike = |run: &&Run| (&run.key().curriculum, &run.key().variant) == (&key.curriculum, &key.variant);
@@ -85,12 +88,16 @@ pub fn recorded(run: &Run) -> &[Record] {
 
 /// `groups` cut to the runs that may be compared with each other: finished ones, evaluated at the steps that
 /// most finished runs of their environment among `groups` were evaluated at (of two equally common lists of
-/// steps, those that go on for longer), and failed ones that were completed to these. Shape: one group per
-/// group; some may be left without a run.
+/// steps, those that go on for longer), and failed ones that were completed to these. Runs of archives decide
+/// nothing unless there are no others. Shape: one group per group; some may be left without a run.
 pub fn comparable<'a>(groups: &[&Group<'a>]) -> Vec<Group<'a>> {
     let cut = |group: &&Group<'a>| {
         let same = |other: &&&Group<'a>| other.key.environment == group.key.environment;
-        let common = common_steps(groups.iter().filter(same).flat_map(|group| group.runs.iter().copied()));
+        let runs = |own_alone: bool| {
+            let here = groups.iter().filter(same).filter(move |group| group.is_own() || !own_alone);
+            here.flat_map(|group| group.runs.iter().copied())
+        };
+        let common = common_steps(runs(true)).or_else(|| common_steps(runs(false)));
         let ended = |run: &Run| run.is_finished() || is_completed(run);
         let fits = |run: &&&'a Run| ended(run) && Some(steps(run)) == common;
         Group { key: group.key.clone(), runs: group.runs.iter().filter(fits).copied().collect() }

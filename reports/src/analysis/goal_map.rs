@@ -102,7 +102,7 @@ impl GoalSpaces {
         for info in environments.iter().filter(|info| info.goal == COORDINATES) {
             let mut goals: Vec<(GroupKey, Vec<Placed>)> = Vec::new();
             for group in groups.compared_groups() {
-                if group.key.environment != info.id {
+                if group.key.environment != info.id || !group.is_own() {
                     continue;
                 }
                 let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();

@@ -116,7 +116,11 @@ pub fn compared(keys: &[&GroupKey]) -> Vec<bool> {
         keys.iter().filter(same).any(|other| other.variant == "default")
     };
     let is_common = |key: &GroupKey| {
-        keys.iter().any(|other| other.variant == key.variant && other.curriculum != key.curriculum)
+        keys.iter().any(|other| {
+            other.variant == key.variant
+                && other.curriculum != key.curriculum
+                && other.curriculum.origin == key.curriculum.origin
+        })
     };
     keys.iter().map(|key| key.variant == "default" || is_common(key) || !has_default(key)).collect()
 }
@@ -149,6 +153,11 @@ impl<'a> Group<'a> {
     pub fn filtered(&self, keep: impl Fn(&Run) -> bool) -> Self {
         let kept = |run: &&'a Run| keep(run);
         Self { key: self.key.clone(), runs: self.runs.iter().copied().filter(kept).collect() }
+    }
+
+    /// Whether its runs lie in the results folder, and not in an archive.
+    pub fn is_own(&self) -> bool {
+        self.key.curriculum.origin.is_none()
     }
 
     /// Runs of it that failed and count 0 from their failure on.

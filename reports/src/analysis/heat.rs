@@ -126,7 +126,7 @@ impl<'a> Heat<'a> {
         for maze in mazes {
             let mut maps = Vec::new();
             let mut here = groups.compared_groups();
-            here.retain(|group| group.key.environment == maze.id);
+            here.retain(|group| group.key.environment == maze.id && group.is_own());
             let last = here.iter().flat_map(|group| &group.runs).filter_map(|run| run.records.last());
             let end = last.map(|record| record.step).max().unwrap_or(0);
             for group in here {

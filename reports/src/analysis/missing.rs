@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::catalogue::{Catalogue, PaperProtocol};
+use crate::analysis::comparison::Comparison;
 use crate::analysis::complete;
 use crate::analysis::cost;
 use crate::analysis::goal_map;
@@ -16,9 +17,16 @@ use crate::store::Run;
 pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     let groups = analysis.groups;
     let waiting = waiting(analysis);
-    let mut lacking = runs(&groups.all, &waiting, &groups.compared_groups());
-    lacking.extend(runs(&groups.all, &waiting, &groups.variant_groups()));
-    lacking.extend(without_a_group(&groups.all, &waiting));
+    // Archives owe these results nothing.
+    let own: Vec<Group<'_>> = groups.all.iter().filter(|group| group.is_own()).cloned().collect();
+    let of_own = |mut groups: Vec<&Group<'_>>| {
+        groups.retain(|group| group.is_own());
+        runs(&own, &waiting, &groups)
+    };
+    let mut lacking = of_own(groups.compared_groups());
+    lacking.extend(of_own(groups.variant_groups()));
+    lacking.extend(without_a_group(&own, &waiting));
+    lacking.extend(pairs(analysis));
     lacking.extend(sums(analysis));
     lacking.extend(of_the_paper(analysis));
     for id in groups.environments() {
@@ -29,10 +37,20 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     lacking.extend(heat_maps(analysis));
     lacking.extend(goal_maps(analysis));
     lacking.extend(diagnoses(analysis));
-    lacking.extend(any_success(&groups.all));
-    lacking.extend(picks(&groups.all));
+    lacking.extend(any_success(&own));
+    lacking.extend(picks(&own));
     lacking.extend(timings(analysis));
     lacking
+}
+
+/// Comparisons with runs of archives that were made otherwise.
+fn pairs(analysis: &Analysis<'_>) -> Vec<String> {
+    let said = |comparison: &Comparison<'_>| {
+        let (method, reference) = (comparison.method.name(), comparison.reference.name());
+        let reason = comparison.unpaired.as_ref()?;
+        Some(format!("{}: {method} and {reference} are not paired: {reason}", comparison.method.environment))
+    };
+    analysis.comparisons.iter().filter_map(said).collect()
 }
 
 /// What sums over environments leave out.
@@ -68,7 +86,7 @@ fn heat_maps(analysis: &Analysis<'_>) -> Vec<String> {
         analysis.heat.mazes.iter().flat_map(|heat| &heat.maps).map(|map| &map.key).collect();
     let mut lacking = Vec::new();
     for maze in &analysis.catalogue().mazes {
-        for group in analysis.groups.compared_groups() {
+        for group in analysis.groups.compared_groups().into_iter().filter(|group| group.is_own()) {
             let key = &group.key;
             if key.environment == maze.id && !drawn.contains(&key) {
                 let name = key.name();
@@ -89,7 +107,7 @@ fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
         let environments = &analysis.catalogue().environments;
         environments.iter().any(|info| info.id == id && info.goal == goal_map::COORDINATES)
     };
-    let groups = analysis.groups.compared_groups().into_iter();
+    let groups = analysis.groups.compared_groups().into_iter().filter(|group| group.is_own());
     let silent = groups.filter(|group| in_space(&group.key.environment) && !drawn.contains(&&group.key));
     let said = silent.map(|group| {
         let (id, name) = (&group.key.environment, group.key.name());
@@ -100,7 +118,8 @@ fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
 
 /// Runs without a diagnosis of their student, where the report was asked for them.
 fn diagnoses(analysis: &Analysis<'_>) -> Option<String> {
-    let runs = analysis.store.runs();
+    let own = analysis.store.runs().iter().filter(|run| analysis.store.is_own(run));
+    let runs: Vec<&Run> = own.collect();
     let silent = runs.iter().filter(|run| analysis.student.of_run(run).is_empty()).count();
     (analysis.options.diagnostics && silent > 0).then(|| {
         format!("how students learned: {silent} of {} runs have no record of it (student.jsonl)", runs.len())
@@ -190,7 +209,8 @@ fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<
 /// Runs that were planned and have no evaluation yet, grouped as those that have one.
 fn waiting<'a>(analysis: &Analysis<'a>) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
-    for run in analysis.store.runs().iter().filter(|run| run.records.is_empty()) {
+    let store = analysis.store;
+    for run in store.runs().iter().filter(|run| run.records.is_empty() && store.is_own(run)) {
         let RunKey { environment, curriculum, variant, .. } = run.key();
         let key = GroupKey::new(analysis.catalogue(), environment, curriculum, variant);
         match groups.iter_mut().find(|group| group.key == key) {

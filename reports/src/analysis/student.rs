@@ -21,10 +21,11 @@ pub struct StudentFiles {
 }
 
 impl StudentFiles {
-    /// Those of all runs of `store`, which lies in the folder `results`.
+    /// Those of all runs of `store` that lie in the folder `results`.
     pub fn of(results: &Path, store: &Store) -> Self {
         let read = |run: &Run| (run.key().clone(), store::learning(results, run));
-        let read: Vec<_> = store.runs().par_iter().map(read).collect();
+        let own = store.runs().par_iter().filter(|run| store.is_own(run));
+        let read: Vec<_> = own.map(read).collect();
         let mut files = Self::default();
         for (key, (lines, problems)) in read {
             files.lines.insert(key, lines);

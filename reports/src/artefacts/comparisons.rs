@@ -150,10 +150,8 @@ fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             |row: &Comparison<'_>| row.p_holm.and(row.detectable),
         )
         .shown("Detectable", |row| or_undefined(row.p_holm.and(row.detectable), decimal)),
-        Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| {
-            row.note.map(str::to_owned)
-        })
-        .named("Note", |row| row.note.unwrap_or_default().to_owned()),
+        Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| row.said())
+            .named("Note", |row| row.said().unwrap_or_default()),
     ]
 }
 

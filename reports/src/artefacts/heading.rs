@@ -17,7 +17,13 @@ pub(super) struct Heading {
 }
 
 impl Heading {
-    pub(super) fn of(options: &ReportOptions, protocols: &[ProtocolCopy], subset: Option<&Subset>) -> Self {
+    /// `guests` are lines about archives beside the results.
+    pub(super) fn of(
+        options: &ReportOptions,
+        protocols: &[ProtocolCopy],
+        subset: Option<&Subset>,
+        guests: &[String],
+    ) -> Self {
         let mut names: Vec<&str> = Vec::new();
         for protocol in protocols {
             if !names.contains(&protocol.name.as_str()) {
@@ -30,7 +36,8 @@ impl Heading {
             ("", true) => Some(format!("Protocol {}.", protocol.name)),
             (description, _) => Some(format!("Protocol {}: {description}", protocol.name)),
         };
-        let lines = protocols.iter().filter_map(line).chain(subset.map(Subset::said));
+        let lines =
+            protocols.iter().filter_map(line).chain(subset.map(Subset::said)).chain(guests.iter().cloned());
         Self { title: options.title.clone().unwrap_or(of_protocols), lines: lines.collect() }
     }
 }
@@ -47,7 +54,7 @@ mod tests {
         };
         let options = ReportOptions::default();
         let of = |options: &ReportOptions, protocols: &[ProtocolCopy]| {
-            let heading = Heading::of(options, protocols, None);
+            let heading = Heading::of(options, protocols, None, &[]);
             (heading.title, heading.lines.join("|"))
         };
         assert_eq!(of(&options, &[]), (UNTITLED.to_owned(), String::new()));

@@ -9,6 +9,7 @@ mod aggregates;
 mod columns;
 mod comparisons;
 mod costs;
+mod dataset;
 mod deviations;
 mod efficiency;
 mod environments;
@@ -35,7 +36,8 @@ mod teaching;
 mod variant_settings;
 mod variants;
 
-pub use report::{Written, write};
+pub use dataset::{TidyData, tidy_data};
+pub use report::{Written, write, write_beside};
 
 use crate::analysis::levels;
 use crate::analysis::whole::Analysis;

@@ -9,6 +9,7 @@ use super::{ARTEFACTS, Artefact, Content, Section, page};
 use crate::analysis::comparison::{ALPHA, TARGET_POWER};
 use crate::analysis::complete;
 use crate::analysis::groups::Groups;
+use crate::analysis::guests::{self, Guest};
 use crate::analysis::missing;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::subset::Subset;
@@ -46,9 +47,25 @@ pub struct Written {
 /// [`ReportError::Option`];
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
+    write_beside(results, Vec::new(), options)
+}
+
+/// [`write()`], with results of others drawn beside these and marked by their names. They decide no verdict on
+/// a claim, and their runs are paired with others of the same seed only where they were made alike.
+///
+/// # Errors
+/// As [`write()`]; [`ReportError::Guest`].
+pub fn write_beside(
+    results: &Path,
+    guests: Vec<Guest>,
+    options: &ReportOptions,
+) -> Result<Written, ReportError> {
     options.check()?;
     let mut store = Store::read(results)?;
     let subset = Subset::cut(&mut store, options)?;
+    let mut catalogue = options.catalogue.clone();
+    let beside = guests::welcome(&mut store, &mut catalogue, guests, &options.curricula)?;
+    let options = &ReportOptions { catalogue, ..options.clone() };
     let (protocols, unreadable) = protocols::protocols(results);
     if store.is_empty() {
         return Err(ReportError::NoRecords {
@@ -60,7 +77,7 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
     let completed = complete::failed_as_zero(&store, options.failures);
     let groups = Groups::of(&store, &completed, options);
     let analysis = Analysis::of(results, (&store, &protocols), &groups, options);
-    let heading = Heading::of(options, &protocols, subset.as_ref());
+    let heading = Heading::of(options, &protocols, subset.as_ref(), &beside);
     // The problems of all files, for the report and for the caller.
     let problems = store.problems().iter().chain(analysis.problems()).chain(&unreadable);
     let mut problems: Vec<StoreProblem> = problems.cloned().collect();
@@ -87,7 +104,7 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
 }
 
 /// The numbers of a table as CSV, and as Parquet where there is such a file.
-fn data(made: &Made) -> Result<Vec<File>, ReportError> {
+pub(super) fn data(made: &Made) -> Result<Vec<File>, ReportError> {
     let Some(sheet) = made.sheet.as_ref().filter(|sheet| !sheet.dictionary.is_empty()) else {
         return Ok(Vec::new());
     };
@@ -135,15 +152,23 @@ fn markdown(
     text
 }
 
+/// What every column of the table's files of data means.
+fn entry(made: &Made) -> Option<String> {
+    let Content::Table { parquet, .. } = made.artefact.content else { return None };
+    let id = made.artefact.id;
+    let names = if parquet { format!("{id}.csv, {id}.parquet") } else { format!("{id}.csv") };
+    columns_of(made, &names)
+}
+
+/// What every column of a table means, below the names of its files.
+pub(super) fn columns_of(made: &Made, names: &str) -> Option<String> {
+    let Content::Table { row, .. } = made.artefact.content else { return None };
+    let sheet = made.sheet.as_ref().filter(|sheet| !sheet.dictionary.is_empty())?;
+    Some(format!("\n## {names}: one row per {row}\n\n{}", sheet.dictionary_markdown()))
+}
+
 /// The data dictionary: what every column of every file of data means.
 fn dictionary(options: &ReportOptions, made: &[Made]) -> String {
-    let file = |made: &Made| {
-        let Content::Table { row, parquet, .. } = made.artefact.content else { return None };
-        let sheet = made.sheet.as_ref().filter(|sheet| !sheet.dictionary.is_empty())?;
-        let id = made.artefact.id;
-        let names = if parquet { format!("{id}.csv, {id}.parquet") } else { format!("{id}.csv") };
-        Some(format!("\n## {names}: one row per {row}\n\n{}", sheet.dictionary_markdown()))
-    };
     format!(
         "# Data dictionary\n\nThe numbers behind the report, unrounded. CSV and Parquet of one name hold the same; an \
          empty field of a CSV is null in Parquet. Final success: over the last {} evaluations of a run. Intervals: {} \
@@ -152,6 +177,6 @@ fn dictionary(options: &ReportOptions, made: &[Made]) -> String {
         options.window,
         options.resampling.confidence * 100.0,
         options.resampling.resamples,
-        made.iter().filter_map(file).collect::<String>(),
+        made.iter().filter_map(entry).collect::<String>(),
     )
 }

@@ -76,7 +76,7 @@ pub fn odd_ones<'a>(runs: impl IntoIterator<Item = CellMember<'a>>) -> Vec<OddOn
 
 /// JSON pointer (RFC 6901) to the first place where `a` and `b` differ; fields of objects in the order of
 /// `a`.
-fn first_difference(a: &Value, b: &Value) -> Option<String> {
+pub(crate) fn first_difference(a: &Value, b: &Value) -> Option<String> {
     let escaped = |name: &str| name.replace('~', "~0").replace('/', "~1");
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {

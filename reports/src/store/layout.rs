@@ -18,6 +18,9 @@ pub struct RunFile {
     pub name: &'static str,
     /// Whether it comes along when results of several machines are merged.
     pub merged: bool,
+    /// Whether it comes along when results are packed for others: what was found and how, not what is needed
+    /// to train on, nor what tells of the machine.
+    pub packed: bool,
     /// Until when it is there.
     pub lives: Lives,
 }
@@ -63,19 +66,19 @@ pub const LOCK: &str = ".lock";
 /// Everything that lies in a run's folder. The outcome comes before the checksums: whoever removes both in
 /// this order never leaves an ended run without them.
 pub static FILES: &[RunFile] = &[
-    RunFile { name: MANIFEST, merged: true, lives: Lives::Always },
-    RunFile { name: RECORDS, merged: true, lives: Lives::Always },
-    RunFile { name: TEACHING, merged: true, lives: Lives::Always },
-    RunFile { name: STUDENT, merged: true, lives: Lives::Always },
-    RunFile { name: TIMING, merged: true, lives: Lives::Always },
-    RunFile { name: OUTCOME, merged: true, lives: Lives::UntilReopened },
-    RunFile { name: CHECKSUMS, merged: true, lives: Lives::UntilReopened },
-    RunFile { name: CRASHES, merged: true, lives: Lives::Always },
-    RunFile { name: WORKER_LOG, merged: true, lives: Lives::Always },
-    RunFile { name: CHECKPOINT, merged: true, lives: Lives::Always },
-    RunFile { name: EVENTS, merged: true, lives: Lives::Always },
-    RunFile { name: REPLAY, merged: true, lives: Lives::UntilDiscarded },
-    RunFile { name: LOCK, merged: false, lives: Lives::Always },
+    RunFile { name: MANIFEST, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: RECORDS, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: TEACHING, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: STUDENT, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: TIMING, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: OUTCOME, merged: true, packed: true, lives: Lives::UntilReopened },
+    RunFile { name: CHECKSUMS, merged: true, packed: true, lives: Lives::UntilReopened },
+    RunFile { name: CRASHES, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: WORKER_LOG, merged: true, packed: false, lives: Lives::Always },
+    RunFile { name: CHECKPOINT, merged: true, packed: false, lives: Lives::Always },
+    RunFile { name: EVENTS, merged: true, packed: false, lives: Lives::Always },
+    RunFile { name: REPLAY, merged: true, packed: false, lives: Lives::UntilDiscarded },
+    RunFile { name: LOCK, merged: false, packed: false, lives: Lives::Always },
 ];
 
 /// Folders from `runs/` to a run: environment, curriculum, variant, seed.

@@ -21,6 +21,7 @@ mod run_folder;
 mod student;
 mod teaching;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -65,6 +66,8 @@ impl Run {
 pub struct Store {
     runs: Vec<Run>,
     problems: Vec<StoreProblem>,
+    /// Curriculum ids of runs that other results brought along.
+    guests: BTreeSet<String>,
 }
 
 impl Store {
@@ -97,18 +100,43 @@ impl Store {
         problems.extend(leave_out_odd_ones(&mut runs));
         problems.extend(makers::differing(&runs));
         problems.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
-        Ok(Self { runs, problems })
+        Ok(Self { runs, problems, guests: BTreeSet::new() })
     }
 
     /// A store of `runs` that never were on disk, such as simulated ones.
     pub fn of(mut runs: Vec<Run>) -> Self {
         runs.sort_by(|a, b| a.key().cmp(b.key()));
-        Self { runs, problems: Vec::new() }
+        Self { runs, problems: Vec::new(), guests: BTreeSet::new() }
     }
 
     /// All runs with a valid manifest, by rising key; some may hold no record yet.
     pub fn runs(&self) -> &[Run] {
         &self.runs
+    }
+
+    /// All runs, to be had.
+    pub(crate) fn into_runs(self) -> Vec<Run> {
+        self.runs
+    }
+
+    /// Takes in runs of other results, whose curriculum ids no run here may have.
+    ///
+    /// # Errors
+    /// The first id that one has; then nothing is taken in.
+    pub(crate) fn add_guests(&mut self, runs: Vec<Run>) -> Result<(), String> {
+        let ids: BTreeSet<String> = runs.iter().map(|run| run.key().curriculum.clone()).collect();
+        if let Some(taken) = self.runs.iter().find(|run| ids.contains(&run.key().curriculum)) {
+            return Err(taken.key().curriculum.clone());
+        }
+        self.guests.extend(ids);
+        self.runs.extend(runs);
+        self.runs.sort_by(|a, b| a.key().cmp(b.key()));
+        Ok(())
+    }
+
+    /// Whether a run of this store lies in the results folder, and was not brought along by other results.
+    pub fn is_own(&self, run: &Run) -> bool {
+        !self.guests.contains(&run.key().curriculum)
     }
 
     /// What is wrong with the folder, by path and line.

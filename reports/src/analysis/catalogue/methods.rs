@@ -13,6 +13,8 @@ pub struct MethodInfo {
     pub title: String,
     /// How its curves are drawn; `None`: in a look that is free.
     pub look: Option<Look>,
+    /// The archive that its runs come from; `None`: the results themselves.
+    pub origin: Option<String>,
     /// Place in legends and tables.
     rank: usize,
 }
@@ -20,7 +22,13 @@ pub struct MethodInfo {
 impl MethodInfo {
     /// A method that comes after all that a catalogue has.
     pub fn new(id: impl Into<String>, title: impl Into<String>, look: Option<Look>) -> Self {
-        Self { id: id.into(), title: title.into(), look, rank: usize::MAX }
+        Self { id: id.into(), title: title.into(), look, origin: None, rank: usize::MAX }
+    }
+
+    /// The method as runs of the archive `origin` have it, under the curriculum id `id`.
+    pub(super) fn of_guest(&self, id: &str, origin: &str) -> Self {
+        let title = format!("{} [{origin}]", self.title);
+        Self { id: id.to_owned(), title, look: None, origin: Some(origin.to_owned()), rank: self.rank }
     }
 
     pub(super) fn ranked(self, rank: usize) -> Self {
@@ -28,10 +36,14 @@ impl MethodInfo {
     }
 }
 
-/// Order of legends and tables: methods of a catalogue as they stand there, then the others by id.
+/// Order of legends and tables: methods of a catalogue as they stand there, then the others by id; at the end
+/// those of archives.
 impl Ord for MethodInfo {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.rank.cmp(&other.rank).then_with(|| natural_order(&self.id, &other.id))
+        let is_guest = |method: &Self| method.origin.is_some();
+        (is_guest(self).cmp(&is_guest(other)))
+            .then_with(|| self.rank.cmp(&other.rank))
+            .then_with(|| natural_order(&self.id, &other.id))
     }
 }
 

@@ -34,6 +34,12 @@ impl Catalogue {
         Self { methods: ranked.collect(), ..Self::default() }
     }
 
+    /// Adds the method of the curriculum id `known` once more, as the archive `origin` has it: under `id`.
+    pub(crate) fn add_guest(&mut self, known: &str, id: &str, origin: &str) {
+        let method = self.method(known).of_guest(id, origin);
+        self.methods.push(Arc::new(method));
+    }
+
     /// All methods, in order.
     pub fn methods(&self) -> &[Arc<MethodInfo>] {
         &self.methods

@@ -66,10 +66,10 @@ pub fn ledger_elsewhere(groups: &[Group<'_>], options: &ReportOptions) -> Vec<Le
     entries
 }
 
-/// The groups of the paper's tasks, or all others.
+/// The groups of the paper's tasks, or all others; those of archives decide nothing.
 pub(crate) fn of_tasks<'a>(groups: &[Group<'a>], options: &ReportOptions, inside: bool) -> Vec<Group<'a>> {
     let paper = &options.catalogue.paper;
-    let of_it = |group: &&Group<'a>| paper.has_task(&group.key.environment) == inside;
+    let of_it = |group: &&Group<'a>| group.is_own() && paper.has_task(&group.key.environment) == inside;
     groups.iter().filter(of_it).cloned().collect()
 }
 

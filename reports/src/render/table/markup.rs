@@ -88,7 +88,7 @@ impl Table {
 }
 
 /// Plain text in Markdown.
-pub(crate) fn markdown_escape(text: &str) -> String {
+pub fn markdown_escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -26,7 +26,7 @@ mod sheet;
 use polars::prelude::{CsvWriter, DataFrame, ParquetWriter, SerWriter};
 
 pub use column::{Column, ColumnInfo};
-pub(crate) use markup::markdown_escape;
+pub use markup::markdown_escape;
 pub use markup::{Align, Table, html_escape};
 pub use sheet::Sheet;
 

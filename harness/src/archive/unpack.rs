@@ -1,0 +1,153 @@
+//! From an archive to a results folder, trusting nothing.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use guard::files;
+use guard::text::in_line;
+use reports::store::{Store, layout};
+use tar::{Entry, EntryType};
+use tempfile::TempDir;
+
+use super::member::{Member, member};
+use super::problem::ArchiveProblem;
+use super::sums::{self, Summing, Sums};
+use super::{MOST_BYTES, MOST_FILES, ROOT, SUMS};
+use crate::error::HarnessError;
+
+/// The results in an archive.
+pub struct Unpacked {
+    /// Its runs.
+    pub store: Store,
+    /// SHA-256 of the archive, in hex.
+    pub sha256: String,
+}
+
+/// Bytes that an archive may unpack to for each of its own, and beside them: records shrink to a thirtieth.
+const MOST_GROWTH: u64 = 500;
+const ALWAYS_ALLOWED: u64 = 16 << 20;
+/// What errors say was tried.
+const USE: &str = "use this archive";
+/// Most bytes of the list of checksums.
+const MOST_OF_SUMS: u64 = 64 << 20;
+
+/// Reads the archive at `path`. Everything in it is checked before anything is used: the names and kinds of
+/// its entries, their number and size, the checksum of each, and then the runs as those of any results folder.
+/// It is unpacked into a temporary folder that is gone afterwards.
+///
+/// # Errors
+/// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for it.
+pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
+    let refused = |problem: ArchiveProblem| HarnessError::unusable(path.display(), USE)(problem);
+    let folder = tempfile::tempdir().map_err(HarnessError::system("make a temporary folder"))?;
+    let sha256 = read(path, &folder).map_err(refused)?;
+    if !layout::runs_dir(folder.path()).is_dir() {
+        return Err(refused(ArchiveProblem::Empty));
+    }
+    let store = Store::read(folder.path()).map_err(HarnessError::unusable(path.display(), USE))?;
+    if let Some(problem) = store.problems().first() {
+        return Err(refused(ArchiveProblem::Damaged(problem.to_string())));
+    }
+    Ok(Unpacked { store, sha256 })
+}
+
+/// Unpacks what belongs to a results folder into `folder`. Gives the archive's checksum.
+fn read(path: &Path, folder: &TempDir) -> Result<String, ArchiveProblem> {
+    let mut file = files::open(path)?;
+    let (sha256, size) = sums::of(&mut file)?;
+    file.seek(SeekFrom::Start(0))?;
+    let most = size.saturating_mul(MOST_GROWTH).saturating_add(ALWAYS_ALLOWED).min(MOST_BYTES);
+    let mut limited = Limited { inner: zstd::Decoder::new(file)?, left: most };
+    let outcome = entries(&mut limited, folder.path());
+    // What a limit ends looks like damage to whoever reads.
+    if limited.left == 0 {
+        return Err(ArchiveProblem::TooLarge(most));
+    }
+    outcome.map(|()| sha256)
+}
+
+fn entries(reader: &mut impl Read, folder: &Path) -> Result<(), ArchiveProblem> {
+    let mut archive = tar::Archive::new(&mut *reader);
+    let mut listed: Option<Sums> = None;
+    let mut seen = BTreeSet::new();
+    // Raw: names and sizes of extension headers would come from the archive without a limit.
+    for entry in archive.entries()?.raw(true) {
+        let mut entry = entry?;
+        let (name, kind) = name_of(&entry)?;
+        let wrong = |reason| ArchiveProblem::Entry { name: name.clone(), reason };
+        if !seen.insert(name.clone()) {
+            return Err(wrong("is there twice"));
+        }
+        if seen.len() > MOST_FILES {
+            return Err(ArchiveProblem::TooMany(MOST_FILES));
+        }
+        let Some(sums) = &listed else {
+            if kind != Member::Sums {
+                return Err(wrong("stands where the list of checksums belongs"));
+            }
+            listed = Some(list(&mut entry)?);
+            continue;
+        };
+        let expected = sums.get(&name).ok_or_else(|| wrong("is not in the list of checksums"))?;
+        let sum = match kind {
+            Member::Results => place(&mut entry, &folder.join(&name))?,
+            _ => sums::of(&mut entry)?.0,
+        };
+        if sum != *expected {
+            return Err(ArchiveProblem::Checksum { name });
+        }
+    }
+    // To the end, where zstd has a checksum of its own.
+    io::copy(reader, &mut io::sink())?;
+    let sums = listed.ok_or_else(|| ArchiveProblem::Lacking(SUMS.to_owned()))?;
+    match sums.keys().find(|name| !seen.contains(*name)) {
+        Some(name) => Err(ArchiveProblem::Lacking(in_line(name).into_owned())),
+        None => Ok(()),
+    }
+}
+
+/// The name of an entry below the archive's folder, and what it is.
+fn name_of(entry: &Entry<'_, impl Read>) -> Result<(String, Member), ArchiveProblem> {
+    let path = entry.path_bytes();
+    let told = in_line(&String::from_utf8_lossy(&path)).into_owned();
+    let wrong = |reason| ArchiveProblem::Entry { name: told.clone(), reason };
+    if entry.header().entry_type() != EntryType::Regular {
+        return Err(wrong("is no regular file, and no archive of results has anything else"));
+    }
+    let name = std::str::from_utf8(&path).ok().and_then(|path| path.strip_prefix(ROOT)?.strip_prefix('/'));
+    let found = name.and_then(|name| Some((name.to_owned(), member(name)?)));
+    found.ok_or_else(|| wrong("is none of the files that archives of results have"))
+}
+
+/// The list of checksums.
+fn list(entry: &mut impl Read) -> Result<Sums, ArchiveProblem> {
+    let mut text = String::new();
+    entry.take(MOST_OF_SUMS).read_to_string(&mut text)?;
+    sums::parse(&text)
+}
+
+/// Writes a file where nothing lies yet. Gives its checksum.
+fn place(entry: &mut impl Read, path: &Path) -> io::Result<String> {
+    fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+    let mut file = Summing::new(File::create_new(path)?);
+    io::copy(entry, &mut file)?;
+    file.flush()?;
+    Ok(file.sum())
+}
+
+/// Gives no more than `left` bytes, as if the end had come.
+struct Limited<R> {
+    inner: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let most = usize::try_from(self.left).unwrap_or(usize::MAX).min(bytes.len());
+        let count = self.inner.read(&mut bytes[..most])?;
+        self.left -= count as u64;
+        Ok(count)
+    }
+}
