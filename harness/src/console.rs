@@ -70,13 +70,18 @@ pub(crate) fn verdict(code: ExitCode) -> ExitCode {
 /// Narrowest terminal that bars are drawn on.
 pub(crate) const FEWEST_COLUMNS: usize = 20;
 
+/// Whether standard error is a terminal whose user takes more than plain text: colours, lines drawn anew.
+pub(crate) fn takes_sequences() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_plain = std::env::var_os("TERM").is_none_or(|kind| kind.is_empty() || kind == "dumb");
+    !is_plain && !is_set("NO_COLOR") && std::io::stderr().is_terminal()
+}
+
 /// Width of the terminal that standard error is; `None` where only plain lines can be shown: it is none, it
 /// does not say how wide it is or is too narrow, or its user asks for plain text by `TERM=dumb` or
 /// `NO_COLOR`.
 pub(crate) fn columns() -> Option<usize> {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    let is_plain = std::env::var_os("TERM").is_none_or(|kind| kind.is_empty() || kind == "dumb");
-    if is_plain || is_set("NO_COLOR") || !std::io::stderr().is_terminal() {
+    if !takes_sequences() {
         return None;
     }
     let (_, columns) = ::console::Term::stderr().size_checked()?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::config::{count, seeds};
 use crate::error::HarnessError;
 use crate::protocol::presets;
+use crate::sweep::reporter::Detail;
 
 /// `--jobs`.
 #[derive(clap::Args)]
@@ -34,6 +35,9 @@ pub(super) struct ProtocolFlags {
     /// Protocol file (TOML); `goalbench protocol show quickstart` prints one to start from
     #[arg(conflicts_with = "preset")]
     protocol: Option<PathBuf>,
+    /// The same as PROTOCOL
+    #[arg(long = "protocol", value_name = "FILE", conflicts_with_all = ["protocol", "preset"])]
+    file: Option<PathBuf>,
     /// Built-in protocol; `goalbench list presets` names them
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
@@ -52,12 +56,16 @@ pub(super) struct ProtocolText {
 impl ProtocolFlags {
     /// Whether a flag names one.
     pub(super) fn is_given(&self) -> bool {
-        self.protocol.is_some() || self.preset.is_some()
+        self.path().is_some() || self.preset.is_some()
     }
 
     /// The file that is read, if one is.
     pub(super) fn inputs(&self) -> Vec<&Path> {
-        self.protocol.as_deref().into_iter().collect()
+        self.path().into_iter().collect()
+    }
+
+    fn path(&self) -> Option<&Path> {
+        self.protocol.as_deref().or(self.file.as_deref())
     }
 
     /// The text of the protocol; `None` where no flag names one.
@@ -65,8 +73,8 @@ impl ProtocolFlags {
     /// # Errors
     /// [`HarnessError`] if the file cannot be read or there is no such preset.
     pub(super) fn text(&self) -> Result<Option<ProtocolText>, HarnessError> {
-        match (&self.protocol, &self.preset) {
-            (Some(path), _) => ProtocolText::of_file(path.clone()).map(Some),
+        match (self.path(), &self.preset) {
+            (Some(path), _) => ProtocolText::of_file(path).map(Some),
             (None, Some(name)) => {
                 let preset = presets::find(name)?;
                 Ok(Some(ProtocolText {
@@ -85,11 +93,41 @@ impl ProtocolText {
     ///
     /// # Errors
     /// [`HarnessError::Io`] if it cannot be read.
-    pub(super) fn of_file(path: PathBuf) -> Result<Self, HarnessError> {
+    fn of_file(path: &Path) -> Result<Self, HarnessError> {
         let text =
-            guard::files::read_to_string(&path).map_err(HarnessError::io(&path, "read this protocol"))?;
+            guard::files::read_to_string(path).map_err(HarnessError::io(path, "read this protocol"))?;
         let name = path.display().to_string();
         Ok(Self { flag: format!("--protocol {name}"), name, text })
+    }
+}
+
+/// `--quiet` of a command without progress to tell of in detail.
+#[derive(clap::Args)]
+pub(super) struct QuietFlag {
+    /// Say only what was asked for and what went wrong
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// `--quiet` and `--verbose` of commands that carry out runs.
+#[derive(clap::Args)]
+pub(super) struct DetailFlags {
+    /// No progress: only what goes wrong, and the result
+    #[arg(short, long)]
+    quiet: bool,
+    /// A line for every evaluation on terminals, too, where bars would be drawn
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
+}
+
+impl DetailFlags {
+    /// How progress is shown.
+    pub(super) fn detail(&self) -> Detail {
+        match (self.quiet, self.verbose) {
+            (true, _) => Detail::Quiet,
+            (false, true) => Detail::Lines,
+            (false, false) => Detail::Fitting,
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Command lines that clap refuses, in words that help.
 
-use std::io::IsTerminal;
-
 use clap::error::{ContextKind, ContextValue, Error};
 use clap::{Command, Parser};
+
+use crate::console::takes_sequences;
 
 /// What clap and the standard library say, and what is said instead.
 const PLAIN: [(&str, &str); 6] = [
@@ -34,11 +34,10 @@ pub(super) fn command<P: Parser>() -> Command {
     with_negative_numbers(P::command())
 }
 
-/// What is wrong with the command line of `P`; in colours where standard error is a terminal.
+/// What is wrong with the command line of `P`; in colours where standard error is a terminal that takes them.
 pub(super) fn text<P: Parser>(error: &Error) -> String {
     let rendered = error.render();
-    let mut text =
-        if std::io::stderr().is_terminal() { rendered.ansi().to_string() } else { rendered.to_string() };
+    let mut text = if takes_sequences() { rendered.ansi().to_string() } else { rendered.to_string() };
     for (jargon, plain) in PLAIN {
         text = text.replace(jargon, plain);
     }

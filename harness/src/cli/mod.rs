@@ -20,6 +20,7 @@
 //! 5. Add a wrong value to `harness/tests/wrong_input.rs` and the flag to the page that tells of its command
 //!    (`harness/docs/`).
 
+mod completions;
 mod evaluate;
 mod export;
 mod flags;
@@ -93,6 +94,10 @@ enum Command {
     Profile(profile::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
+    /// Print a script that completes commands and options in a shell
+    Completions(completions::CompletionsArgs),
+    /// Write a page of the manual for each command
+    Man(completions::ManArgs),
     /// Explain a command, every config field (`help config`), or the JSON that commands print (`help json`)
     Help(help::Args),
     /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
@@ -144,6 +149,8 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Regress(args) => regress::regress(&registry, &args),
         Command::Profile(args) => profile::run(&registry, &args),
         Command::Protocol(args) => protocol::protocol(&args),
+        Command::Completions(args) => completions::completions(&registry, &misuse::command::<Cli>(), &args),
+        Command::Man(args) => completions::man(&misuse::command::<Cli>(), &args),
         Command::Help(args) => help::help(&registry, misuse::command::<Cli>(), &args),
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),

@@ -9,6 +9,7 @@ use reports::store::problem::StoreProblem;
 use reports::wording::counted;
 use reports::{Guest, ReportOptions};
 
+use super::flags::QuietFlag;
 use super::{Exit, ExitCode, complain, print};
 use crate::archive::{EXTENSION, Unpacked, unpack};
 use crate::error::HarnessError;
@@ -55,6 +56,8 @@ pub(super) struct Args {
     /// What stands above the report [default: the names of the protocols]
     #[arg(long, value_name = "TEXT", value_parser = title)]
     title: Option<String>,
+    #[command(flatten)]
+    quiet: QuietFlag,
     /// Let axes of rates span what there is to see, and not 0 to 1; they say so
     #[arg(long)]
     zoom: bool,
@@ -131,8 +134,10 @@ pub(super) fn report(registry: &Registry, args: &Args) -> Exit {
     }
     let guests = args.with.iter().map(|path| guest(path)).collect::<Result<Vec<_>, _>>()?;
     let written = reports::write_beside(&args.results, guests, &args.options(registry))?;
-    written.files.iter().for_each(|path| print(&format!("{}\n", path.display())));
-    written.missing.iter().for_each(|missing| complain(&format!("missing: {missing}")));
+    if !args.quiet.quiet {
+        written.files.iter().for_each(|path| print(&format!("{}\n", path.display())));
+        written.missing.iter().for_each(|missing| complain(&format!("missing: {missing}")));
+    }
     for problem in &written.problems {
         complain(&format!("goalbench: {problem}"));
     }

@@ -14,7 +14,7 @@ use reports::store::cells::{CellMember, OddOne, odd_ones};
 use reports::wording::counted;
 use serde_json::Value;
 
-use super::flags::{JobsFlag, count_in};
+use super::flags::{JobsFlag, QuietFlag, count_in};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::console;
@@ -44,6 +44,8 @@ pub(super) struct Args {
     seed: u64,
     #[command(flatten)]
     jobs: JobsFlag,
+    #[command(flatten)]
+    quiet: QuietFlag,
     /// Print a JSON object per run and line
     #[arg(long)]
     json: bool,
@@ -129,7 +131,7 @@ fn measure_all(
         .num_threads(args.jobs.for_runs(subjects.len()))
         .build()
         .map_err(HarnessError::system("start a thread per run"))?;
-    let bar = progress(subjects.len(), args.episodes);
+    let bar = if args.quiet.quiet { ProgressBar::hidden() } else { progress(subjects.len(), args.episodes) };
     let measured = pool.install(|| {
         // Runs take seconds to minutes, and those of one environment, which take equally long, follow one
         // another.

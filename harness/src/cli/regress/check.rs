@@ -10,7 +10,7 @@ use super::options::{RunsArgs, SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
-use crate::cli::flags::parse_seeds;
+use crate::cli::flags::{ProtocolFlags, parse_seeds};
 use crate::error::HarnessError;
 use crate::outputs;
 use crate::paper;
@@ -21,10 +21,13 @@ use crate::sweep::ExitCode;
 
 #[derive(clap::Args)]
 #[command(
-    after_help = "Exit code 0: nothing fell. 1: something did, or a run broke down. 2: wrong input, or a baseline of \
+    after_help = "The baseline holds its protocol. Where PROTOCOL or --preset is given too, it must still be that one: a \
+    protocol that was changed since it was recorded is refused.\n\nExit code 0: nothing fell. 1: something did, or a run broke down. 2: wrong input, or a baseline of \
     another config or schema. 3: stopped by a signal."
 )]
 pub(super) struct Args {
+    #[command(flatten)]
+    protocol: ProtocolFlags,
     /// Baseline file, as written by `goalbench regress record`
     #[arg(long, value_name = "FILE")]
     baseline: PathBuf,
@@ -55,6 +58,7 @@ pub(super) struct Args {
 
 pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     let baseline = Baseline::read(&args.baseline)?;
+    same_protocol(&baseline, args)?;
     let settings = args.settings.over(baseline.gate.settings)?;
     if let Some(folder) = &args.out {
         outputs::folder("--out", folder, &[args.baseline.as_path()])?;
@@ -96,6 +100,22 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
         }
     }
     Ok(if check.passed() { ExitCode::Success } else { ExitCode::Failed })
+}
+
+/// # Errors
+/// [`HarnessError::Argument`] if a protocol is given that the baseline was not recorded with.
+fn same_protocol(baseline: &Baseline, args: &Args) -> Result<(), HarnessError> {
+    let Some(written) = args.protocol.text()? else { return Ok(()) };
+    if regress::provenance(written.flag, &written.text)?.protocol == baseline.protocol {
+        return Ok(());
+    }
+    let reason = format!(
+        "{} is not the protocol that {} was recorded with ({}); record the baseline again, or give that one",
+        written.name,
+        args.baseline.display(),
+        baseline.source,
+    );
+    Err(HarnessError::Argument { option: "PROTOCOL", reason })
 }
 
 /// Narrows `protocol` to what the options name, and says what is left out.

@@ -7,7 +7,7 @@ use reports::gate::compare::Settings;
 use reports::wording::counted;
 
 use crate::cli::complain;
-use crate::cli::flags::JobsFlag;
+use crate::cli::flags::{DetailFlags, JobsFlag};
 use crate::error::HarnessError;
 use crate::outputs;
 use crate::protocol::plan::Plan;
@@ -60,6 +60,8 @@ impl SettingsArgs {
 pub(super) struct RunsArgs {
     #[command(flatten)]
     jobs: JobsFlag,
+    #[command(flatten)]
+    detail: DetailFlags,
     /// Take the runs from this results folder and carry out none
     #[arg(long, value_name = "DIR", conflicts_with_all = ["keep", "jobs"])]
     results: Option<PathBuf>,
@@ -128,7 +130,7 @@ impl RunsArgs {
         sweep.try_out(false)?;
         let sweep = sweep.prepare(Preparation::default())?;
         let parallel = self.jobs.for_runs(sweep.open().count());
-        let reporter = reporter::for_stderr(sweep.jobs(), parallel);
+        let reporter = reporter::for_stderr(sweep.jobs(), parallel, self.detail.detail());
         let conduct =
             Conduct { parallel, retries: RETRIES, tensorboard: false, discard_replay: self.keep.is_none() };
         let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;

@@ -11,7 +11,7 @@ use reports::wording::counted;
 use super::options::{RunsArgs, SettingsArgs};
 use super::{Exit, print};
 use crate::Registry;
-use crate::cli::flags::{ProtocolFlags, ProtocolText, SeedsFlag, parse_seeds};
+use crate::cli::flags::{ProtocolFlags, SeedsFlag, parse_seeds};
 use crate::cli::{complain, warn_of_idle};
 use crate::error::{HarnessError, chain};
 use crate::outputs;
@@ -30,9 +30,6 @@ const CHECK_SEEDS: usize = 5;
 pub(super) struct Args {
     #[command(flatten)]
     protocol: ProtocolFlags,
-    /// The same as PROTOCOL
-    #[arg(long = "protocol", value_name = "FILE", conflicts_with_all = ["protocol", "preset"])]
-    file: Option<PathBuf>,
     /// Baseline file to write (JSON)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -49,9 +46,12 @@ pub(super) struct Args {
 
 pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let settings = args.settings.over(Settings::default())?;
-    outputs::file("--out", &args.out, &inputs(args))?;
+    outputs::file("--out", &args.out, &args.protocol.inputs())?;
     args.runs.check_outputs()?;
-    let written = protocol_text(args)?;
+    let written = args.protocol.text()?.ok_or_else(|| HarnessError::Argument {
+        option: "regress record",
+        reason: "give a protocol file or --preset NAME".to_owned(),
+    })?;
     let mut protocol = Protocol::parse(&written.name, &written.text, registry)?;
     protocol.seeds = args.seeds.or(protocol.seeds)?;
     let check = match &args.check_seeds {
@@ -91,20 +91,4 @@ fn write(path: &Path, baseline: &Baseline) -> Result<(), HarnessError> {
     fs::create_dir_all(folder)
         .and_then(|()| guard::fresh::write_through(path, baseline.text().as_bytes()))
         .map_err(HarnessError::io(path, "write this baseline"))
-}
-
-/// Files that are read.
-fn inputs(args: &Args) -> Vec<&Path> {
-    args.protocol.inputs().into_iter().chain(args.file.as_deref()).collect()
-}
-
-fn protocol_text(args: &Args) -> Result<ProtocolText, HarnessError> {
-    let written = match &args.file {
-        Some(path) => Some(ProtocolText::of_file(path.clone())?),
-        None => args.protocol.text()?,
-    };
-    written.ok_or_else(|| HarnessError::Argument {
-        option: "regress record",
-        reason: "give a protocol file or --preset NAME".to_owned(),
-    })
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use reports::wording::counted;
 
-use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, count};
+use super::flags::{DetailFlags, JobsFlag, ProtocolFlags, SeedsFlag, count};
 use super::{Exit, complain, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
@@ -52,8 +52,10 @@ pub(super) struct Args {
     /// How often a run whose worker crashed is begun again from its checkpoint
     #[arg(long, value_name = "N", default_value_t = 2)]
     retries: u32,
+    #[command(flatten)]
+    detail: DetailFlags,
     /// Print progress as JSON lines on standard output, for scripts
-    #[arg(long, conflicts_with = "dry_run")]
+    #[arg(long, conflicts_with_all = ["dry_run", "quiet", "verbose"])]
     json: bool,
     /// Keep a TensorBoard event file beside each run's records (tensorboard --logdir DIR/runs)
     #[arg(long)]
@@ -214,7 +216,7 @@ fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
     let reporter = if args.json {
         reporter::json(|line| print(&format!("{line}\n")))
     } else {
-        reporter::for_stderr(sweep.jobs(), parallel)
+        reporter::for_stderr(sweep.jobs(), parallel, args.detail.detail())
     };
     let Args { retries, tensorboard, discard_replay, .. } = *args;
     let conduct = Conduct { parallel, retries, tensorboard, discard_replay };

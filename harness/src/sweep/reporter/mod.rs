@@ -3,6 +3,7 @@
 mod bars;
 mod json;
 mod lines;
+mod quiet;
 mod row;
 mod tally;
 
@@ -24,11 +25,24 @@ pub trait Reporter: Sync {
     fn note(&self, text: &str);
 }
 
-/// Bars if standard error is a terminal that can show them, lines if not.
-pub fn for_stderr(jobs: &[Job], parallel: usize) -> Box<dyn Reporter> {
-    match console::columns() {
-        Some(_) => Box::new(bars::Bars::new(jobs, parallel)),
-        None => lines(jobs, parallel),
+/// How much a user wants to see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// What goes wrong.
+    Quiet,
+    /// Bars if standard error is a terminal that can show them, lines if not.
+    #[default]
+    Fitting,
+    /// Lines, whatever standard error is.
+    Lines,
+}
+
+/// On standard error, in this detail.
+pub fn for_stderr(jobs: &[Job], parallel: usize, detail: Detail) -> Box<dyn Reporter> {
+    match (detail, console::columns()) {
+        (Detail::Quiet, _) => Box::new(quiet::Quiet),
+        (Detail::Fitting, Some(_)) => Box::new(bars::Bars::new(jobs, parallel)),
+        (Detail::Fitting, None) | (Detail::Lines, _) => lines(jobs, parallel),
     }
 }
 
