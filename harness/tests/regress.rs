@@ -210,7 +210,24 @@ fn wrong_options_are_refused_before_anything_is_run() {
     refused("check --baseline B --smallest-effect=2", "--smallest-effect");
     refused("check --baseline B --keep R", "exists already");
     refused("check --baseline B --results R --seeds 3..9", "has not ended");
+    refused("check --baseline B --set student.batsh=16", "student.batsh");
+    refused("check --baseline B --set budget.steps=400", "stay the baseline's");
+    refused("check --baseline B --set student.batch=8 --exact", "cannot be used with");
     refused("false-alarms --baseline B --now 3 --before 4", "the baseline has 6");
+}
+
+/// A student that learns nothing any more falls from a perfect baseline; the baseline's own config is what it was.
+#[test]
+fn a_changed_setting_is_compared_with_the_baseline_that_did_without() {
+    let home = Home::new();
+    home.edit(perfect);
+    let output = home.run("check --baseline B --set student.actor_lr=1e-9 --keep O --jobs 2");
+    assert_eq!(output.status.code(), Some(1), "{}{}", stdout(&output), stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("the baseline was recorded without --set student.actor_lr=1e-9"), "{text}");
+    let manifest = home.path("out/runs/Point/her-iid/default/seed-0").join(layout::MANIFEST);
+    let manifest = fs::read_to_string(manifest).expect("a run was kept");
+    assert!(manifest.contains("\"actor_lr\": 1e-9") || manifest.contains("\"actor_lr\":1e-9"), "{manifest}");
 }
 
 #[test]
