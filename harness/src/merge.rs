@@ -11,6 +11,7 @@ use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
+use crate::outputs;
 use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::{Lock, is_locked};
@@ -55,12 +56,14 @@ struct Copies {
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
 /// every conflicting run, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
-/// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Locked`] if a process is
-/// carrying out a run, and whatever keeps files from being read or written.
+/// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Argument`] if it would
+/// lie in a source, [`HarnessError::Locked`] if a process is carrying out a run, and whatever keeps files
+/// from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     if out.symlink_metadata().is_ok() {
         return Err(HarnessError::Exists { folder: out.to_owned() });
     }
+    outputs::outside("--out", out, sources)?;
     check_sources(sources)?;
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();

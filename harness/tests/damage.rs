@@ -111,7 +111,8 @@ fn a_copied_folder_is_no_run_and_is_named() {
     let copy = run(folder.path()).with_file_name("seed-0 (copy)");
     RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
     let text = folder.path().to_str().expect("a test path is UTF-8");
-    let out = folder.path().join("merged");
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let out = home.path().join("merged");
     let out = out.to_str().expect("a test path is UTF-8");
     for (args, code) in [
         (&["status", text][..], 0),
@@ -154,7 +155,8 @@ fn stopped() -> tempfile::TempDir {
 fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
     let folder = stopped();
     let text = folder.path().to_str().expect("a test path is UTF-8");
-    let out = folder.path().join("merged");
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let out = home.path().join("merged");
     let out = out.to_str().expect("a test path is UTF-8");
     let sound = goalbench(&["status", "--strict", text]);
     assert!(sound.status.success() && stdout(&sound).contains("2 stopped"), "{}", stdout(&sound));

@@ -260,7 +260,7 @@ fn control_characters_are_shown_and_not_obeyed() {
         &["status", "--json", results],
         &["report", results],
         &["evaluate", "--episodes", "2", results],
-        &["merge", results, "--out", text(&folder.path().join("merged"))],
+        &["merge", results, "--out", text(&folder.path().with_extension("merged"))],
         &["status", "/nowhere/\u{1b}[31m"],
     ] {
         let output = ends(args);

@@ -218,7 +218,8 @@ fn a_results_folder_that_is_none_is_called_so_by_all() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = |path: &std::path::Path| path.to_str().expect("a test path is UTF-8").to_owned();
     let (missing, out) = (text(&folder.path().join("missing")), text(&folder.path().join("merged")));
-    let empty = text(folder.path());
+    let empty = text(&folder.path().join("empty"));
+    fs::create_dir(&empty).expect("it can be created");
     for (place, expected) in [(&missing, "missing: cannot find this folder"), (&empty, "results folder")] {
         refused(&["status", place], &[expected]);
         refused(&["evaluate", place], &[expected]);

@@ -24,9 +24,6 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Exit {
     outputs::folder("--out", outputs::folder_of(&args.out), &[])?;
-    if args.out.symlink_metadata().is_err() {
-        outputs::outside("--out", &args.out, &args.sources)?;
-    }
     let merged = merge(&args.sources, &args.out).map_err(|error| match error {
         HarnessError::Exists { .. } => HarnessError::flag("--out")(error),
         error => error,
