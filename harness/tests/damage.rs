@@ -105,31 +105,6 @@ fn a_manifest_that_was_edited_or_is_missing() {
     }
 }
 
-#[test]
-fn a_copied_folder_is_no_run_and_is_named() {
-    let folder = finished();
-    let copy = run(folder.path()).with_file_name("seed-0 (copy)");
-    RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
-    let text = folder.path().to_str().expect("a test path is UTF-8");
-    let home = tempfile::tempdir().expect("a temporary folder");
-    let out = home.path().join("merged");
-    let out = out.to_str().expect("a test path is UTF-8");
-    for (args, code) in [
-        (&["status", text][..], 0),
-        (&["status", "--json", text], 0),
-        (&["status", "--strict", text], 1),
-        (&["report", text], 1),
-        (&["evaluate", "--episodes", "2", text], 0),
-        (&["merge", text, "--out", out], 0),
-    ] {
-        let output = goalbench(args);
-        assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains("seed-0 (copy)"), "{args:?}: {}", stderr(&output));
-    }
-    assert!(stdout(&goalbench(&["status", text])).contains("2 runs: 2 finished"));
-    assert!(!Path::new(out).join("runs/Point/teach/default/seed-0 (copy)").exists());
-}
-
 /// Two runs that were stopped, each with a checkpoint and a replay log.
 fn stopped() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -212,6 +212,31 @@ fn what_may_not_be_read_is_named_and_the_rest_goes_on() {
 }
 
 #[test]
+fn a_copied_folder_is_no_run_and_is_named() {
+    let folder = finished();
+    let copy = run(folder.path()).with_file_name("seed-0 (copy)");
+    RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
+    let results = text(folder.path());
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let out = home.path().join("merged");
+    let out = text(&out);
+    for (args, code) in [
+        (&["status", results][..], 0),
+        (&["status", "--json", results], 0),
+        (&["status", "--strict", results], 1),
+        (&["report", results], 1),
+        (&["evaluate", "--episodes", "2", results], 0),
+        (&["merge", results, "--out", out], 0),
+    ] {
+        let output = ends(args);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("seed-0 (copy)"), "{args:?}: {}", stderr(&output));
+    }
+    assert!(stdout(&ends(&["status", results])).contains("2 runs: 2 finished"));
+    assert!(!Path::new(out).join("runs/Point/teach/default/seed-0 (copy)").exists());
+}
+
+#[test]
 fn a_copied_run_that_has_a_run_s_name_is_no_run() {
     let folder = finished();
     RunFolder::new(run(folder.path()))

@@ -228,8 +228,8 @@ impl Recorder {
     }
 
     /// Ends the run with manifest hash `run`. Its checksums come first, that of the outcome among them: once
-    /// there is an outcome, nothing about it can change unnoticed. A kill in between leaves a run that has not
-    /// ended, whose next worker writes both again.
+    /// there is an outcome, nothing about it can change unnoticed. A kill in between leaves a run that has
+    /// not ended, whose next worker writes both again.
     ///
     /// # Errors
     /// If the outcome cannot be written.
