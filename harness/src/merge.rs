@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use guard::files;
 use reports::schema::{Outcome, RunKey};
 use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
+use crate::outputs;
 use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::{Lock, is_locked};
@@ -53,16 +55,24 @@ struct Copies {
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
-/// every conflicting run, [`HarnessError::Exists`] if `out` does, [`HarnessError::Locked`] if a process is
-/// carrying out a run, and whatever keeps files from being read or written.
+/// every conflicting run, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
+/// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Argument`] if it would
+/// lie in a source, [`HarnessError::Locked`] if a process is carrying out a run, and whatever keeps files
+/// from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     if out.symlink_metadata().is_ok() {
         return Err(HarnessError::Exists { folder: out.to_owned() });
     }
+    outputs::outside("--out", out, sources)?;
+    check_sources(sources)?;
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
         let Survey { runs, lost, strays } = Results::new(source).survey()?;
+        if let Some(hidden) = strays.iter().find(|stray| stray.hides_runs()) {
+            let whole = HarnessError::unusable(source.display(), "read all runs of this results folder");
+            return Err(whole(hidden.to_string()));
+        }
         if runs.is_empty() && lost.is_empty() {
             let path = layout::runs_dir(source);
             return Err(HarnessError::Missing { path, reason: "holds no runs".into() });
@@ -87,8 +97,21 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     Ok(merged)
 }
 
+/// Refuses a folder that is given twice, under one name or two: none of its runs was found more than once.
+fn check_sources(sources: &[PathBuf]) -> Result<(), HarnessError> {
+    let mut places: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
+    for source in sources {
+        let place = source.canonicalize().map_err(HarnessError::io(source, "find this folder"))?;
+        if let Some(first) = places.insert(place, source) {
+            let reason = format!("is the same folder as {}; name each once", first.display());
+            return Err(HarnessError::Missing { path: source.clone(), reason });
+        }
+    }
+    Ok(())
+}
+
 fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
-    if is_locked(folder.path()) {
+    if is_locked(folder.path())? {
         // Its worker would change the files while they are copied.
         return Err(HarnessError::Locked { folder: folder.path().to_owned() });
     }
@@ -209,7 +232,7 @@ fn sweep(parent: &Path) {
         let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
         if is_named
             && is_folder
-            && holds_runs_alone(&entry.path())
+            && holds_a_merge_alone(&entry.path())
             && let Ok(_lock) = Lock::take(&entry.path())
         {
             let _ = fs::remove_dir_all(entry.path());
@@ -217,10 +240,8 @@ fn sweep(parent: &Path) {
     }
 }
 
-fn holds_runs_alone(folder: &Path) -> bool {
-    let runs = layout::runs_dir(Path::new(""));
-    let is_ours = |name: &Path| name == runs || name == Path::new(layout::LOCK);
-    fs::read_dir(folder).is_ok_and(|mut entries| {
-        entries.all(|entry| entry.is_ok_and(|entry| is_ours(entry.file_name().as_ref())))
-    })
+/// Whether `folder` holds what a merge puts there, and nothing else.
+fn holds_a_merge_alone(folder: &Path) -> bool {
+    let ours = [layout::runs_dir(folder), layout::protocols_dir(folder), folder.join(layout::LOCK)];
+    files::entries(folder).is_ok_and(|paths| paths.into_iter().flatten().all(|path| ours.contains(&path)))
 }

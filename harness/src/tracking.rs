@@ -111,7 +111,7 @@ impl EventFile {
 pub fn catch_up(folder: &Path) -> std::io::Result<Option<String>> {
     let run = RunFolder::new(folder);
     let (timings, lack) = sound_timings(&run);
-    if lack.is_none() || !run.has(EVENTS) {
+    if lack.is_none() || !run.has(EVENTS)? {
         EventFile::over(&run, &timings)?;
     }
     Ok(lack)

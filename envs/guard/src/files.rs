@@ -7,17 +7,60 @@
 use std::fs::{self, File, FileType, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rustix::fs::OFlags;
 
 /// Opens the file at `path` for reading. Links are followed.
 ///
 /// # Errors
-/// What the system refuses; [`ErrorKind::InvalidData`] if it is no regular file.
+/// What the system refuses, [`ErrorKind::NotFound`] only where nothing lies at all;
+/// [`ErrorKind::InvalidData`] if it is no regular file, or a link that leads nowhere.
 pub fn open(path: &Path) -> io::Result<File> {
-    regular(&fs::metadata(path)?)?;
+    regular(&fs::metadata(path).map_err(|error| absent(path, error))?)?;
     opened(OpenOptions::new().read(true), OFlags::empty(), path)
+}
+
+/// Paths of all that lies in the folder at `path`, sorted; `None` where nothing lies at `path`.
+///
+/// # Errors
+/// What the system refuses; [`ErrorKind::InvalidData`] if it is a link that leads nowhere.
+pub fn entries(path: &Path) -> io::Result<Option<Vec<PathBuf>>> {
+    let entries = match fs::read_dir(path).map_err(|error| absent(path, error)) {
+        Ok(entries) => entries,
+        // A path that leads through a file is told when the folder is to be created.
+        Err(error) if is_absent(&error) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
+    paths.sort();
+    Ok(Some(paths))
+}
+
+/// Whether anything lies at `path`, be it a link that leads nowhere.
+///
+/// # Errors
+/// What keeps it from being known, such as a folder that may not be searched.
+pub fn is_there(path: &Path) -> io::Result<bool> {
+    match fs::symlink_metadata(path) {
+        Ok(_) => Ok(true),
+        Err(error) if is_absent(&error) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether an error says that nothing lies at a path, and no more than that.
+pub fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
+}
+
+/// What `error`, met at `path`, means: the system calls a link that leads nowhere a file that is not there.
+fn absent(path: &Path, error: io::Error) -> io::Error {
+    let is_link = || fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
+    if error.kind() == ErrorKind::NotFound && is_link() {
+        return io::Error::new(ErrorKind::InvalidData, "it is a link that leads nowhere");
+    }
+    error
 }
 
 /// All bytes of the file at `path`.
@@ -162,6 +205,17 @@ mod tests {
         assert_eq!(copy(&target, &dangling).unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert_eq!(fs::read_to_string(&target).unwrap(), "kept");
         assert!(!folder.path().join("nowhere").exists());
+        for told in [refusal(open(&dangling)), refusal(entries(&dangling))] {
+            assert_eq!(told, "it is a link that leads nowhere");
+        }
+        assert_eq!(entries(&folder.path().join("nowhere")).unwrap(), None);
+        assert_eq!(
+            entries(folder.path()).unwrap().unwrap(),
+            [dangling.clone(), link.clone(), target.clone()]
+        );
+        assert!(is_there(&dangling).unwrap() && !is_there(&target.join("below")).unwrap());
+        symlink("loop", folder.path().join("loop")).unwrap();
+        assert!(is_there(&folder.path().join("loop/below")).is_err(), "nobody knows");
 
         update(&target).unwrap().write_all(b"K").unwrap();
         append(&target).unwrap().write_all(b"!").unwrap();

@@ -12,6 +12,7 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use guard::files;
 use reports::schema::Manifest;
 use serde::{Deserialize, Serialize};
 
@@ -147,9 +148,15 @@ pub(super) fn submit(
 
 /// Refuses to submit runs a second time while an earlier submission is still in the queue.
 pub(super) fn check_queue(results: &Path) -> Result<(), HarnessError> {
-    let Ok(entries) = fs::read_dir(results.join(FOLDER)) else { return Ok(()) };
-    for entry in entries.flatten() {
-        let Ok(id) = guard::files::read_to_string(&entry.path().join(JOB)) else { continue };
+    let parent = results.join(FOLDER);
+    let folders = files::entries(&parent).map_err(HarnessError::io(&parent, "read this folder"))?;
+    for path in folders.into_iter().flatten().map(|folder| folder.join(JOB)) {
+        let id = match files::read_to_string(&path) {
+            Ok(id) => id,
+            // A submission that was interrupted.
+            Err(error) if files::is_absent(&error) => continue,
+            Err(error) => return Err(HarnessError::io(path, "read this file")(error)),
+        };
         let queue = Command::new("squeue").arg("--noheader").arg(format!("--jobs={}", id.trim())).output();
         // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =

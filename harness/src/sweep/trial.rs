@@ -54,7 +54,12 @@ struct Answer {
 /// [`HarnessError::Trial`] naming the first run that cannot begin or go on, and why.
 pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
     let mut cells = BTreeSet::new();
-    let tried: Vec<&Job> = jobs.iter().filter(|job| is_to_be_tried(job, &mut cells)).collect();
+    let mut tried = Vec::new();
+    for job in jobs {
+        if is_to_be_tried(job, &mut cells)? {
+            tried.push(job);
+        }
+    }
     if tried.is_empty() {
         return Ok(());
     }
@@ -97,12 +102,12 @@ pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
 }
 
 /// Whether a job is to be tried: the first new one of its cell, or a finished one that is trained on.
-fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> bool {
-    match job.state {
+fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> Result<bool, HarnessError> {
+    Ok(match job.state {
         State::New => cells.insert(job.folder.parent()),
-        State::Shorter(_) => RunFolder::new(&job.folder).has(layout::OUTCOME),
+        State::Shorter(_) => RunFolder::new(&job.folder).has(layout::OUTCOME)?,
         State::Begun | State::Ended(_) => false,
-    }
+    })
 }
 
 /// What `goalbench try-runs` does: tries what its standard input says and tells how that came out.
@@ -164,7 +169,7 @@ fn go_on(registry: &Registry, folder: &Path) -> Result<(), HarnessError> {
     let found = found
         .ok_or_else(|| missing(checkpoint::CHECKPOINT, "is missing, so this run cannot be trained on"))?;
     let replay = folder.join(REPLAY);
-    if !replay.exists() {
+    if !RunFolder::new(folder).has(REPLAY)? {
         let reason = "is missing, so this run cannot be trained on: it finished with --discard-replay, or under a \
                       version that always removed it";
         return Err(missing(REPLAY, reason));

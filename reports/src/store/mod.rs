@@ -9,8 +9,10 @@ pub mod cells;
 mod check;
 pub mod checksums;
 pub mod digest;
+mod ended;
 mod error;
 pub mod layout;
+mod limits;
 mod lines;
 mod load;
 mod makers;
@@ -25,6 +27,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+pub use ended::check_ended;
 pub use error::StoreError;
 pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
@@ -71,7 +74,7 @@ impl Store {
     /// Reads all runs below `results/runs/`, in parallel; the answer does not depend on the order of reading.
     ///
     /// # Errors
-    /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
+    /// [`StoreError::Io`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
     /// below that is a [`StoreProblem`].
     pub fn read(results: &Path) -> Result<Self, StoreError> {
         let folder = Results::new(results);

@@ -67,7 +67,7 @@ struct Measured {
 }
 
 pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
-    let Chosen { subjects, mut left_out, strays } = find(registry, &args.paths)?;
+    let Chosen { subjects, mut left_out, strays, hides_runs } = find(registry, &args.paths)?;
     let outcomes = measure_all(registry, &subjects, args)?;
     let (mut measured, mut broken) = (Vec::new(), false);
     for (subject, outcome) in subjects.iter().zip(outcomes) {
@@ -88,7 +88,7 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     for reason in &odd {
         complain(&format!("goalbench: in no mean: {reason}"));
     }
-    let is_damaged = left_out.iter().any(HarnessError::is_damage);
+    let is_damaged = hides_runs || left_out.iter().any(HarnessError::is_damage);
     for stray in strays {
         complain(&format!("goalbench: left out: {stray}"));
     }

@@ -50,8 +50,11 @@ pub fn check(folder: &Path) -> Result<Sound, HarnessError> {
         Some(checkpoint) if !is_finished => {
             checkpoint.progress.check(&run)?;
             let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.step());
-            agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
-                .map_err(HarnessError::unusable(&manifest.run, "go on from this run's checkpoint"))?;
+            // A run that only lacks its end needs no replay buffer any more, and may have lost it.
+            if steps < config.budget.steps {
+                agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
+                    .map_err(HarnessError::unusable(folder.display(), "go on from this run's checkpoint"))?;
+            }
         }
         None if !is_finished => check_beginning(folder)?,
         _ => {}

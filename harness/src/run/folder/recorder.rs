@@ -11,7 +11,7 @@ use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
 use crate::error::HarnessError;
-use crate::files::write_json;
+use crate::files::{json, write_json};
 use crate::run::observer::Stage;
 use crate::tracking::{Evaluated, EventFile};
 
@@ -140,7 +140,7 @@ impl Recorder {
             log.file.set_len(log.bytes)?;
         }
         // Only now: it follows the logs, which have been cut back to the checkpoint.
-        let wanted = tensorboard || run.has(layout::EVENTS);
+        let wanted = tensorboard || run.has(layout::EVENTS)?;
         let events = wanted.then(|| EventFile::open(folder)).transpose()?;
         Ok(Self {
             folder: run,
@@ -227,13 +227,17 @@ impl Recorder {
         }
     }
 
-    /// Ends the run with manifest hash `run`.
+    /// Ends the run with manifest hash `run`. Its checksums come first, that of the outcome among them: once
+    /// there is an outcome, nothing about it can change unnoticed. A kill in between leaves a run that has
+    /// not ended, whose next worker writes both again.
     ///
     /// # Errors
     /// If the outcome cannot be written.
     pub fn end(self, run: &str, outcome: &Outcome) -> std::io::Result<()> {
         self.sync()?;
-        write_json(&self.folder.file(layout::CHECKSUMS), &Checksums::of(&self.folder, run)?)?;
-        write_json(&self.folder.file(layout::OUTCOME), outcome)
+        let outcome = json(outcome)?;
+        let sums = Checksums::of(&self.folder, run)?.with_outcome(&outcome);
+        write_json(&self.folder.file(layout::CHECKSUMS), &sums)?;
+        guard::fresh::write_through(&self.folder.file(layout::OUTCOME), &outcome)
     }
 }

@@ -23,7 +23,7 @@ use super::exit::ExitCode;
 use crate::Registry;
 use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
-use crate::run::checkpoint::{self, CheckpointError, REPLAY};
+use crate::run::checkpoint::{self, Checkpoint, CheckpointError, REPLAY};
 use crate::run::error::RunError;
 use crate::run::folder::{self, Extent};
 use crate::run::lock::Lock;
@@ -130,11 +130,26 @@ fn train(
 ) -> Result<Option<Outcome>, HarnessError> {
     let unwritable = || HarnessError::io(folder, "record in this folder");
     agents::prepare_thread();
-    let (mut trainer, progress) = begin(registry, folder, manifest, config)?;
+    let checkpoint = checkpoint::read(folder, manifest).map_err(|error| match error {
+        error @ CheckpointError::Io { .. } => error.into(),
+        damaged => HarnessError::impossible(&manifest.run, "go on")(damaged),
+    })?;
     let stop = stop_flag().map_err(HarnessError::system("listen for signals"))?;
-    let mut recording =
-        RecordObserver::open(folder, &manifest.hash, &progress, tensorboard, Arc::clone(&stop))
-            .map_err(unwritable())?;
+    let record = |progress: &Extent| {
+        RecordObserver::open(folder, &manifest.hash, progress, tensorboard, Arc::clone(&stop))
+            .map_err(unwritable())
+    };
+    // A kill kept the end of this run from being recorded, and nothing else: it needs no student, nor the
+    // replay buffer, which may be gone.
+    if let Some(Checkpoint { trainer, progress, .. }) = &checkpoint
+        && trainer.step() >= config.budget.steps
+    {
+        let outcome = Outcome::Finished { step: trainer.step() };
+        record(progress)?.end(&outcome).map_err(unwritable())?;
+        return Ok(Some(outcome));
+    }
+    let (mut trainer, progress) = begin(registry, folder, manifest, config, checkpoint)?;
+    let mut recording = record(&progress)?;
     let mut telling = EventObserver::new(stop);
     telling.tell(&Event::Step { step: trainer.step() }).map_err(unwritable())?;
     // Recording comes first: the parent is told only of what is recorded.
@@ -155,28 +170,27 @@ fn train(
     Ok(Some(outcome))
 }
 
-/// The run as of its checkpoint, or from its beginning if it has none, and how far its records had come.
+/// The run as of its `checkpoint`, or from its beginning if it has none, and how far its records had come.
 fn begin(
     registry: &Registry,
     folder: &Path,
     manifest: &Manifest,
     config: RunConfig,
+    checkpoint: Option<Checkpoint>,
 ) -> Result<(Trainer, Extent), HarnessError> {
     let run = &manifest.run;
-    let cannot_begin = |error: RunError| match error {
-        error if is_libtorch(&error) => machine(run, error),
-        error => HarnessError::impossible(run, "begin")(error),
+    let cannot = |action| {
+        move |error: RunError| match error {
+            error if is_libtorch(&error) => machine(run, error),
+            error => HarnessError::impossible(run, action)(error),
+        }
     };
-    let found = checkpoint::read(folder, manifest).map_err(|error| match error {
-        error @ CheckpointError::Io { .. } => error.into(),
-        damaged => HarnessError::impossible(run, "go on")(damaged),
-    })?;
-    let mut trainer = Trainer::new(registry, run.clone(), config).map_err(cannot_begin)?;
-    let Some(checkpoint) = found else {
+    let mut trainer = Trainer::new(registry, run.clone(), config).map_err(cannot("begin"))?;
+    let Some(checkpoint) = checkpoint else {
         folder::check_beginning(folder)?;
         return Ok((trainer, Extent::default()));
     };
-    trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_begin)?;
+    trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot("go on"))?;
     Ok((trainer, checkpoint.progress))
 }
 
