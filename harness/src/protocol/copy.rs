@@ -37,7 +37,8 @@ pub fn bring(source: &Path, out: &Path) -> Result<(), HarnessError> {
         let name = path.file_stem().and_then(|name| name.to_str());
         let is_copy = path.extension().is_some_and(|extension| extension == "toml") && path.is_file();
         if let Some(name) = name.filter(|_| is_copy) {
-            let text = fs::read_to_string(&path).map_err(HarnessError::io(&path, "read this file"))?;
+            let text =
+                guard::files::read_to_string(&path).map_err(HarnessError::io(&path, "read this file"))?;
             place(&layout::protocols_dir(out), name, &text)?;
         }
     }
@@ -52,7 +53,7 @@ fn place(folder: &Path, name: &str, text: &str) -> Result<(), HarnessError> {
         let path = folder.join(format!("{name}{number}.toml"));
         match fs::symlink_metadata(&path) {
             Ok(metadata) if metadata.is_file() => {
-                let known = fs::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
+                let known = guard::files::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
                 if known == text.as_bytes() {
                     return Ok(());
                 }
