@@ -5,6 +5,7 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
+use guard::text::short;
 use reports::wording::counted;
 
 use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, name, whole};
@@ -296,7 +297,7 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         protocol.set(ConfigLayer::from_option(option, &["budget", "steps"], value.into()));
     }
     if let Some(device) = &args.device {
-        let option = format!("--device {device}");
+        let option = format!("--device {}", short(device));
         protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {
