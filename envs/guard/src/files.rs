@@ -20,8 +20,8 @@ pub fn open(path: &Path) -> io::Result<File> {
     opened(OpenOptions::new().read(true), OFlags::empty(), path)
 }
 
-/// The most bytes of a file that [`read`] takes in: more than any file of this program holds. A file may claim
-/// any size without taking room on the disk, and would fill the memory.
+/// The most bytes of a file that [`read`] takes in: more than any file of this program holds. A file may
+/// claim any size without taking room on the disk, and would fill the memory.
 pub const MOST: u64 = 4 << 30;
 /// The most bytes of a file that [`read_to_string`] takes in.
 pub const MOST_TEXT: u64 = 64 << 20;

@@ -17,8 +17,8 @@ pub(super) fn parse<P: Parser>() -> Result<P, Error> {
     command::<P>().try_get_matches().and_then(|matches| P::from_arg_matches(&matches))
 }
 
-/// The command of `P`, whose options take negative numbers: they are refused as values, not as options. What is
-/// longer than any path is refused as one, before it is repeated in a message.
+/// The command of `P`, whose options take negative numbers: they are refused as values, not as options. What
+/// is longer than any path is refused as one, before it is repeated in a message.
 pub(super) fn command<P: Parser>() -> Command {
     fn prepared(command: Command) -> Command {
         command.mut_args(|arg| path(negative_numbers(arg))).mut_subcommands(prepared)
