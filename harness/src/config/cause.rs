@@ -26,13 +26,13 @@ pub(super) fn place(layers: &[ConfigLayer], path: &str, sound: impl Fn(&[ConfigL
 
 /// The paths of all fields that `table` sets.
 fn fields(table: &Table) -> Vec<Vec<&str>> {
-    let below = |(key, value)| match value {
-        &Value::Table(ref inner) => {
-            fields(inner).into_iter().map(|path| [&[key], path.as_slice()].concat()).collect()
+    let paths = table.iter().flat_map(|(key, value)| match value {
+        Value::Table(inner) => {
+            fields(inner).into_iter().map(|path| [&[key.as_str()], path.as_slice()].concat()).collect()
         }
-        _ => vec![vec![key]],
-    };
-    table.iter().map(|(key, value)| (key.as_str(), value)).flat_map(below).collect()
+        _ => vec![vec![key.as_str()]],
+    });
+    paths.collect()
 }
 
 /// `table` without the field at `path`.
