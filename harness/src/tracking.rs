@@ -17,6 +17,7 @@ use protobuf::CodedOutputStream;
 use reports::schema::{Learning, Record, Teaching, Timing};
 pub use reports::store::layout::EVENTS;
 use reports::store::{RunFolder, StoreError, checksums, layout};
+use reports::wording::counted;
 
 use crate::error::chain;
 
@@ -126,8 +127,9 @@ fn sound_timings(run: &RunFolder) -> (Vec<Timing>, Option<String>) {
             let lack = (lacking > 0).then(|| {
                 let (path, all) = (run.file(layout::TIMING), records.len());
                 format!(
-                    "{}: lacks {lacking} of {all} evaluations; the event file lacks their times",
-                    path.display()
+                    "{}: lacks {lacking} of {}; the event file lacks their times",
+                    path.display(),
+                    counted(all, "evaluation")
                 )
             });
             (timings, lack)

@@ -46,10 +46,10 @@ fn unusable_options_say_what_is_accepted() {
     refused(&with(&["--set", "evaluation.every=10"]), &["evaluation.every", "one cycle"]);
     refused(&["report", "/nowhere/at/all"], &["/nowhere/at/all"]);
     for (option, value, accepted) in [
-        ("--window", "0", "1.."),
+        ("--window", "0", "a whole number from 1 to 65535 is accepted"),
         ("--confidence", "0.4", "a number above 0.5 and below 1 is accepted"),
         ("--margin", "2", "a number above 0 and below 1 is accepted"),
-        ("--fewest-pairs", "0", "1.."),
+        ("--fewest-pairs", "0", "a whole number from 1 to 65535 is accepted"),
         ("--failures", "never", "zero, apart"),
         ("--title", " ", "a line of text is accepted"),
     ] {

@@ -62,25 +62,54 @@ fn absent(path: &Path, error: io::Error) -> io::Error {
     }
     error
 }
+/// The most bytes of a file that [`read`] takes in: more than any file of this program holds. A file may
+/// claim any size without taking room on the disk, and would fill the memory.
+pub const MOST: u64 = 4 << 30;
+/// The most bytes of a file that [`read_to_string`] takes in.
+pub const MOST_TEXT: u64 = 64 << 20;
 
 /// All bytes of the file at `path`.
 ///
 /// # Errors
-/// As [`open`].
+/// As [`open`]; [`ErrorKind::InvalidData`] if it holds more than [`MOST`].
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    let expected = file.metadata()?.len();
+    if expected > MOST {
+        return Err(too_large(MOST));
+    }
     let mut bytes = Vec::new();
-    open(path)?.read_to_end(&mut bytes)?;
+    bytes.try_reserve(expected as usize)?;
+    within(file, MOST, &mut bytes)?;
     Ok(bytes)
 }
 
-/// The text of the file at `path`.
+/// The text of the file at `path`, which a person may have written.
 ///
 /// # Errors
-/// As [`open`]; [`ErrorKind::InvalidData`] if it is not UTF-8.
+/// As [`open`]; [`ErrorKind::InvalidData`] if it holds more than [`MOST_TEXT`] or is not UTF-8.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    open(path)?.read_to_string(&mut text)?;
-    Ok(text)
+    text_within(open(path)?, MOST_TEXT)
+}
+
+/// The text that `source` holds, which may unpack to more than there is room for.
+///
+/// # Errors
+/// What `source` refuses; [`ErrorKind::InvalidData`] if it holds more than `most` bytes or is not UTF-8.
+pub fn text_within(source: impl Read, most: u64) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    within(source, most, &mut bytes)?;
+    String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error.utf8_error()))
+}
+
+fn within(source: impl Read, most: u64, bytes: &mut Vec<u8>) -> io::Result<()> {
+    source.take(most + 1).read_to_end(bytes)?;
+    if bytes.len() as u64 > most { Err(too_large(most)) } else { Ok(()) }
+}
+
+fn too_large(most: u64) -> io::Error {
+    let reason = format!("it holds more than {} MB, the most that is read", most >> 20);
+    io::Error::new(ErrorKind::InvalidData, reason)
 }
 
 /// Opens the file at `path` for reading and writing, creates it if need be and keeps what it holds. A link is
@@ -189,6 +218,23 @@ mod tests {
             assert!(refusal(write(&place("device"))).contains("a link"));
         }
         assert!(!place("copy").exists());
+    }
+
+    #[test]
+    fn what_would_fill_the_memory_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large");
+        let file = fs::File::create(&path).unwrap();
+        file.set_len(MOST_TEXT).unwrap();
+        assert_eq!(read_to_string(&path).unwrap().len() as u64, MOST_TEXT);
+        file.set_len(MOST_TEXT + 1).unwrap();
+        assert_eq!(refusal(read_to_string(&path)), "it holds more than 64 MB, the most that is read");
+        // It takes no room on the disk.
+        file.set_len(1 << 40).unwrap();
+        assert_eq!(refusal(read(&path)), "it holds more than 4096 MB, the most that is read");
+        assert_eq!(text_within(&b"abc"[..], 3).unwrap(), "abc");
+        assert_eq!(text_within(&b"abcd"[..], 3).unwrap_err().kind(), ErrorKind::InvalidData);
+        assert_eq!(text_within(&b"\xff"[..], 3).unwrap_err().kind(), ErrorKind::InvalidData);
     }
 
     #[test]

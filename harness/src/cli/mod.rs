@@ -44,6 +44,7 @@ use clap::{Parser, Subcommand};
 use crate::Registry;
 use crate::console::{self, complain, print};
 use crate::error::{HarnessError, chain};
+use crate::estimate;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::sweep::{ExitCode, local, trial, worker};
@@ -115,13 +116,19 @@ enum Command {
     /// Try out runs given as JSON lines (what `run` starts before it writes anything)
     #[command(hide = true)]
     TryRuns,
+    /// Measure how fast runs are, which are given as JSON lines (what `run --dry-run` starts)
+    #[command(hide = true)]
+    MeasureRuns {
+        /// How many at a time
+        parallel: usize,
+    },
 }
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
     let cli: Cli = match misuse::parse() {
         Ok(cli) => cli,
-        Err(answer) => return console::verdict(without_a_command(&answer)).into(),
+        Err(answer) => return console::verdict(without_a_command(answer)).into(),
     };
     outlive_file_limits();
     let result = match cli.command {
@@ -140,6 +147,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
         Command::TryRuns => trial::try_runs(&registry),
+        Command::MeasureRuns { parallel } => estimate::measure_runs(&registry, parallel),
         Command::Worker { folder, tensorboard, discard_replay } => {
             let keeping = worker::Keeping { tensorboard, discard_replay };
             worker::work(&registry, &folder, keeping).or_else(|(code, error)| {
@@ -156,7 +164,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
 }
 
 /// Shows the help or version that was asked for, or what is wrong with the command line.
-fn without_a_command(answer: &clap::Error) -> ExitCode {
+fn without_a_command(answer: clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // Nobody is left to be told if this fails.
         let _ = std::io::stderr().write_all(misuse::text::<Cli>(answer).as_bytes());

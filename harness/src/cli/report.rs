@@ -8,6 +8,7 @@ use reports::stats::Resampling;
 use reports::store::layout;
 use reports::store::problem::StoreProblem;
 
+use super::flags::{between, name, whole};
 use super::{Exit, ExitCode, complain, print};
 use crate::error::HarnessError;
 use crate::status::{Activity, RunStatus, status};
@@ -18,7 +19,7 @@ pub(super) struct Args {
     /// Results folder, as written by `goalbench run`
     results: PathBuf,
     /// Evaluations at the end of a run that its final success averages
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(1..))]
     window: u16,
     /// Coverage of intervals, and what verdicts keep: 1 minus the chance of a false one
     #[arg(long, value_name = "SHARE", default_value_t = 0.95, value_parser = between(0.5))]
@@ -27,7 +28,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RATE", default_value_t = MARGIN, value_parser = between(0.0))]
     margin: f64,
     /// Fewest pairs of runs with the same seed, in all environments together, for a verdict
-    #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = whole::<u16>(1..))]
     fewest_pairs: u16,
     /// Runs that broke down: success 0 from then on, or left out and counted
     #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = ["zero", "apart"])]
@@ -39,10 +40,10 @@ pub(super) struct Args {
     #[arg(long)]
     diagnostics: bool,
     /// Only these environments of the results, by id, separated by commas
-    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Only these curricula of the results, by id, separated by commas
-    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
     /// What stands above the report [default: the names of the protocols]
     #[arg(long, value_name = "TEXT", value_parser = title)]
@@ -56,15 +57,6 @@ pub(super) struct Args {
 fn title(text: &str) -> Result<String, &'static str> {
     let is_readable = !text.trim().is_empty() && !text.chars().any(char::is_control);
     is_readable.then(|| text.trim().to_owned()).ok_or("a line of text is accepted")
-}
-
-/// Numbers above `least` and below 1.
-fn between(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| {
-        let number = text.parse().map_err(|_| format!("a number above {least} and below 1 is accepted"))?;
-        let is_inside = number > least && number < 1.0;
-        is_inside.then_some(number).ok_or_else(|| format!("a number above {least} and below 1 is accepted"))
-    }
 }
 
 impl Args {

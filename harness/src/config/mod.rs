@@ -4,6 +4,7 @@
 //! `curriculum.teach.window`. Low to high: the environment's defaults, the student's preset, the
 //! protocol's tables, its overrides, the variant's patch, the command line.
 
+mod cause;
 pub mod count;
 pub mod fit;
 pub mod layer;
@@ -18,6 +19,8 @@ pub mod words;
 use agents::{Auto, Preset, StudentConfig};
 use curricula::Entry as CurriculumEntry;
 use envs::Spec;
+use guard::text::short;
+use reports::wording::counted;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -25,10 +28,9 @@ use toml::{Table, Value};
 use crate::Registry;
 use crate::error::HarnessError;
 use fit::fit;
-use layer::{ConfigLayer, merge, place_of};
+use layer::{ConfigLayer, merge};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
-use words::short;
 
 /// Everything that decides a run's bytes, apart from environment id and seed.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -168,8 +170,10 @@ pub fn resolve(
     curriculum: &CurriculumEntry,
     layers: &[ConfigLayer],
 ) -> Result<RunConfig, HarnessError> {
-    try_resolve(registry, spec, curriculum, layers).map_err(|FieldError { path, reason }| {
-        HarnessError::Config { place: place_of(layers, &path), path: short(&path), reason }
+    let attempt = |layers: &[ConfigLayer]| try_resolve(registry, spec, curriculum, layers);
+    attempt(layers).map_err(|FieldError { path, reason }| {
+        let place = cause::place(layers, &path, |layers| attempt(layers).is_ok());
+        HarnessError::Config { place, path: short(&path), reason }
     })
 }
 
@@ -288,10 +292,10 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let cycle = episodes * spec.horizon as u64;
     if config.evaluation.every < cycle {
         let reason = format!(
-            "is {}, below the {cycle} steps of one cycle ({} episodes of {} steps); must be at least that",
+            "is {}, below the {cycle} steps of one cycle ({} of {}); must be at least that",
             config.evaluation.every,
-            config.student.episodes_per_cycle(),
-            spec.horizon
+            counted(config.student.episodes_per_cycle(), "episode"),
+            counted(spec.horizon, "step")
         );
         return wrong("evaluation.every", reason);
     }

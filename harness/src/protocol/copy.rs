@@ -52,7 +52,7 @@ fn place(folder: &Path, name: &str, text: &str) -> Result<(), HarnessError> {
         let path = folder.join(format!("{name}{number}.toml"));
         match fs::symlink_metadata(&path) {
             Ok(metadata) if metadata.is_file() => {
-                let known = fs::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
+                let known = guard::files::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
                 if known == text.as_bytes() {
                     return Ok(());
                 }

@@ -15,6 +15,7 @@
 
 mod cell;
 pub mod endings;
+pub(crate) mod errand;
 pub mod event;
 pub mod exit;
 pub mod job;

@@ -11,6 +11,7 @@ use crate::render::table::{Column, Sheet};
 use crate::schema::{Outcome, Timing};
 use crate::stats;
 use crate::store::Run;
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact = Artefact::table("runs", Section::Nowhere, "run", sheet)
     .repeated(Repeated::Folded("Single runs"))
@@ -123,10 +124,10 @@ fn status(run: &Run) -> &'static str {
 
 fn caption(options: &ReportOptions) -> String {
     format!(
-        "Final success: success rate averaged over the last {} evaluations of the run, with Wilson's {} % interval for \
+        "Final success: success rate averaged over the last {} of the run, with Wilson's {} % interval for \
          the successes among all of their episodes. It covers the noise of evaluating this one run, not what another \
          seed would give. That of the untrained student is never among them. Steps: at the last evaluation. Time: by the clock on the wall up to it.",
-        options.window,
+        counted(options.window, "evaluation"),
         columns::percent(options.resampling.confidence),
     )
 }

@@ -14,7 +14,7 @@ use reports::store::cells::{CellMember, OddOne, odd_ones};
 use reports::wording::counted;
 use serde_json::Value;
 
-use super::flags::{JobsFlag, count_in};
+use super::flags::{JobsFlag, whole};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::console;
@@ -37,10 +37,10 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Episodes of each run
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count_in(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>(1..=1_000_000))]
     episodes: u64,
     /// Seed of starts and goals
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>(..))]
     seed: u64,
     #[command(flatten)]
     jobs: JobsFlag,

@@ -10,7 +10,7 @@ use super::options::{RunsArgs, SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
-use crate::cli::flags::parse_seeds;
+use crate::cli::flags::{name, parse_seeds};
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::outputs;
@@ -34,10 +34,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "SEEDS")]
     seeds: Option<String>,
     /// Only these of the baseline's environments
-    #[arg(long = "env", alias = "environment", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "env", alias = "environment", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Only these of the baseline's curricula
-    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
     /// What a changed setting does to learning, as in `student.precision="bf16"`: the runs are carried out
     /// with it, the baseline was recorded without

@@ -5,19 +5,21 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
+use guard::text::short;
 use reports::wording::counted;
 
-use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, count};
+use super::flags::{JobsFlag, ProtocolFlags, SeedsFlag, name, whole};
 use super::{Exit, complain, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
+use crate::console::word;
 use crate::error::HarnessError;
 use crate::memory;
 use crate::outputs;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, copy};
 use crate::sweep::slurm::{self, Request};
-use crate::sweep::{Conduct, ExitCode, Job, Preparation, Prepared, Sweep, reporter};
+use crate::sweep::{Conduct, ExitCode, Job, Preparation, Prepared, Sweep, local, reporter};
 use summary::summarise;
 
 #[derive(clap::Args)]
@@ -27,15 +29,15 @@ pub(super) struct Args {
     #[command(flatten)]
     protocol: ProtocolFlags,
     /// Environments or suites instead of the protocol's, separated by commas
-    #[arg(long = "env", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "env", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Curricula instead of the protocol's, separated by commas
-    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
     #[command(flatten)]
     seeds: SeedsFlag,
     /// Training steps per run, as in 100000, 1e5 or 100k; short for --set budget.steps=N
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(..))]
     steps: Option<u64>,
     /// Where the student computes: cpu or cuda; short for --set student.device=NAME
     #[arg(long, value_name = "NAME")]
@@ -50,7 +52,7 @@ pub(super) struct Args {
     #[command(flatten)]
     jobs: JobsFlag,
     /// How often a run whose worker crashed is begun again from its checkpoint
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(..))]
     retries: u32,
     /// Print progress as JSON lines on standard output, for scripts
     #[arg(long, conflicts_with = "dry_run")]
@@ -106,10 +108,10 @@ struct SlurmArgs {
     #[arg(long, value_name = "SIZE")]
     mem: Option<String>,
     /// Most tasks at once
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..))]
     at_once: Option<u32>,
     /// Runs per array task, one after the other [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     chunk: Option<u16>,
     /// A further option for sbatch, as in --sbatch=--account=me [repeatable]
     #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
@@ -163,11 +165,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     outputs::folder("--out", &results, &args.protocol.inputs())?;
     let sweep = Sweep::survey(&plan, &results, args.extend)?;
     if args.dry_run {
-        return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
+        return dry::dry_run(&plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
     }
     match args.executor {
         Executor::Local => {
             sweep.check_device().map_err(HarnessError::flag("--device"))?;
+            local::limits::make_room(args.jobs.for_runs(sweep.open().count()))?;
             for line in sweep.slow_precisions(registry)? {
                 complain(&format!("goalbench: {line}"));
             }
@@ -256,7 +259,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit
         "submitted job {} with {}; next: goalbench status {}\n",
         submitted.job,
         counted(submitted.tasks, "task"),
-        sweep.results().display()
+        word(sweep.results())
     ));
     Ok(ExitCode::Success)
 }
@@ -294,7 +297,7 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         protocol.set(ConfigLayer::from_option(option, &["budget", "steps"], value.into()));
     }
     if let Some(device) = &args.device {
-        let option = format!("--device {device}");
+        let option = format!("--device {}", short(device));
         protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {

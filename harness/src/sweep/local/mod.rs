@@ -3,6 +3,7 @@
 mod complaints;
 mod conduct;
 pub mod device;
+pub mod limits;
 mod supervise;
 
 use std::sync::Mutex;

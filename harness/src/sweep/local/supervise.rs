@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 
-use reports::store::RunFolder;
+use reports::store::{RunFolder, layout};
 use reports::wording::counted_u64;
 
 use super::complaints::{self, Listener};
@@ -30,6 +30,8 @@ enum Attempt {
     Over(Ending),
     /// Trying again would not help.
     Refused(String),
+    /// The system started no worker, and would start none a moment later.
+    NotStarted(String),
     /// It may go better another time.
     Crash(String),
 }
@@ -70,6 +72,8 @@ impl Supervisor<'_> {
         loop {
             match self.attempt(job) {
                 Attempt::Over(ending) => return ending,
+                // The run is as it was.
+                Attempt::NotStarted(reason) => return Ending::Crashed { reason },
                 Attempt::Refused(reason) => {
                     self.note_crash(job, attempt, &reason);
                     return Ending::Crashed { reason };
@@ -80,12 +84,13 @@ impl Supervisor<'_> {
                     if attempt == self.conduct.retries {
                         return Ending::Crashed { reason };
                     }
-                    let left = self.conduct.retries - attempt;
-                    self.reporter.note(&format!(
-                        "{}: {reason}; going on from its checkpoint ({} left)",
-                        job.run(),
-                        counted_u64(left.into(), "attempt")
-                    ));
+                    let left = counted_u64((self.conduct.retries - attempt).into(), "attempt");
+                    // The worker names what cannot be looked at.
+                    let next = match RunFolder::new(&job.folder).has(layout::CHECKPOINT) {
+                        Ok(false) => "beginning anew",
+                        Ok(true) | Err(_) => "going on from its checkpoint",
+                    };
+                    self.reporter.note(&format!("{}: {reason}; {next} ({left} left)", job.run()));
                     attempt += 1;
                 }
             }
@@ -107,9 +112,7 @@ impl Supervisor<'_> {
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         match command.spawn() {
             Ok(child) => self.follow(child, job),
-            Err(error) => {
-                Attempt::Crash(format!("{}: cannot start this program as a worker: {error}", self.program))
-            }
+            Err(error) => Attempt::NotStarted(format!("cannot start a worker ({}): {error}", self.program)),
         }
     }
 
@@ -133,7 +136,7 @@ impl Supervisor<'_> {
             self.reporter.note(&format!("{}: cannot keep what its worker said: {error}", job.run()));
         }
         match (last, status) {
-            (Some(Attempt::Over(ending)), _) => Attempt::Over(ending),
+            (Some(attempt @ (Attempt::Over(_) | Attempt::NotStarted(_))), _) => attempt,
             (Some(Attempt::Refused(reason)), Ok(status)) => Attempt::Refused(format!("{reason} ({status})")),
             (Some(Attempt::Crash(reason)), Ok(status)) => Attempt::Crash(format!("{reason} ({status})")),
             (None, Ok(status)) => Attempt::Crash(complaints::last_words(status, &complaints)),

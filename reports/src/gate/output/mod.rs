@@ -95,14 +95,14 @@ impl Check<'_> {
         format!(
             "Seeds: {} now, {} in the baseline. A group of runs fell where its mean over seeds is lower by {} or more and \
              p <= {}: exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean \
-             of the last {} evaluations. Effective goals, exp(entropy) of the teacher's choice, and what it picked: \
+             of the last {}. Effective goals, exp(entropy) of the teacher's choice, and what it picked: \
              two-sided, a change of {} % or more.",
             seeds_now.len(),
             seeds_before.len(),
             s.smallest_effect,
             s.alpha,
             tests.len(),
-            s.window,
+            counted(s.window, "evaluation"),
             s.smallest_effect * 100.0
         )
     }

@@ -11,6 +11,7 @@ use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::heat::{FEWEST_EPISODES, HeatMap, HeatPhase, MazeHeat, PHASES};
 use crate::error::ReportError;
 use crate::render::table::cells::thousands;
+use crate::wording::counted;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -96,8 +97,9 @@ impl<'a> Sheet<'a> {
     /// What the maps show, and of what.
     fn caption(&self) -> String {
         let partly = self.maps.iter().filter(|map| map.runs.0 < map.runs.1);
-        let runs: Vec<String> =
-            partly.map(|map| format!("{}: {} of {} runs", map.key.name(), map.runs.0, map.runs.1)).collect();
+        let runs: Vec<String> = partly
+            .map(|map| format!("{}: {} of {}", map.key.name(), map.runs.0, counted(map.runs.1, "run")))
+            .collect();
         let seeds = match &runs[..] {
             [] => "all seeds".to_owned(),
             runs => format!(
