@@ -30,8 +30,13 @@ pub fn is_beyond_integers(value: &Value) -> bool {
         Value::Float(number) => is_beyond(*number),
         Value::String(text) => {
             let is_number = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-._eE".contains(&byte));
-            let number = text.replace('_', "").parse();
-            is_number && number.is_ok_and(|number: f64| number.is_infinite() || is_beyond(number))
+            let plain = text.replace('_', "");
+            let number = plain.parse();
+            // The largest integers round to a float beyond all of them.
+            let is_integer = plain.parse::<i64>().is_ok();
+            is_number
+                && !is_integer
+                && number.is_ok_and(|number: f64| number.is_infinite() || is_beyond(number))
         }
         _ => false,
     }

@@ -11,6 +11,7 @@ use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
 use crate::schema::{Outcome, Record, RunKey};
 use crate::store::Run;
+use crate::wording::counted;
 
 /// Everything that a report lacks.
 pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
@@ -103,7 +104,10 @@ fn diagnoses(analysis: &Analysis<'_>) -> Option<String> {
     let runs = analysis.store.runs();
     let silent = runs.iter().filter(|run| analysis.student.of_run(run).is_empty()).count();
     (analysis.options.diagnostics && silent > 0).then(|| {
-        format!("how students learned: {silent} of {} runs have no record of it (student.jsonl)", runs.len())
+        format!(
+            "how students learned: {silent} of {} without a record of it (student.jsonl)",
+            counted(runs.len(), "run")
+        )
     })
 }
 
@@ -175,7 +179,8 @@ fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<
                 [(count(|run| run.outcome.is_none()), "not finished"), (count(failed), "failed")]
             {
                 if count > 0 {
-                    missing.push(format!("{id}: {name}: {count} of {} runs {what}", all().count()));
+                    missing
+                        .push(format!("{id}: {name}: {count} of {} {what}", counted(all().count(), "run")));
                 }
             }
             if !waiting.is_empty() {
@@ -226,7 +231,10 @@ fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Opti
     let runs: Vec<&Run> = all.iter().flat_map(|group| group.runs.iter().copied()).collect();
     let silent = runs.iter().filter(|run| !complete::recorded(run).iter().all(&tells)).count();
     (silent > 0).then(|| {
-        format!("{what}: {silent} of {} runs have no record of it (older than the field)", runs.len())
+        format!(
+            "{what}: {silent} of {} without a record of it (older than the field)",
+            counted(runs.len(), "run")
+        )
     })
 }
 

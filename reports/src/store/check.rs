@@ -8,6 +8,7 @@ use super::run_folder::JsonLine;
 use crate::schema::{Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
 use crate::store::problem::Fault;
+use crate::wording::counted_u64;
 
 /// A line that belongs to one evaluation.
 trait OfEvaluation: JsonLine {
@@ -175,7 +176,7 @@ impl OfEvaluation for Record {
             // Within rounding: shares are written with all digits they have.
             let successes = rate * self.episodes as f64;
             if (successes - successes.round()).abs() > 1e-6 {
-                let value = format!("{rate} of {} episodes", self.episodes);
+                let value = format!("{rate} of {}", counted_u64(self.episodes, "episode"));
                 return range(field, value, "a whole number of successes");
             }
         }
@@ -279,7 +280,10 @@ pub(super) fn misfit(outcome: &Outcome, manifest: &Manifest, records: &[Record])
             Some(format!("says that the run finished at step {step}, but {told}"))
         }
         Outcome::Finished { step } => limits.budget.filter(|&budget| step < budget).map(|budget| {
-            format!("says that the run finished at step {step}, but its budget is {budget} steps")
+            format!(
+                "says that the run finished at step {step}, but its budget is {}",
+                counted_u64(budget, "step")
+            )
         }),
         Outcome::Failed { step, .. } if last.is_some_and(|last| step < last) => {
             Some(format!("says that the run failed at step {step}, but {told}"))

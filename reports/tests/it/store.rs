@@ -386,7 +386,7 @@ fn records_older_than_success_at_any_step_are_read() {
     let rates = store.runs()[0].records.iter().map(|record| record.any_success_rate);
     assert_eq!(rates.collect::<Vec<_>>(), [None, None]);
     let missing = reports::write(results.path(), &options()).unwrap().missing;
-    let expected = "success at any step: 1 of 2 runs have no record of it (older than the field)";
+    let expected = "success at any step: 1 of 2 runs without a record of it (older than the field)";
     assert!(missing.iter().any(|text| text == expected), "{missing:#?}");
     let csv = fs::read_to_string(layout::report_dir(results.path()).join("summary.csv")).unwrap();
     let at_any_step = csv.lines().map(|line| line.split(',').nth(10).unwrap()).collect::<Vec<_>>();

@@ -10,6 +10,7 @@ use super::{outcome, read_manifest};
 use crate::config::RunConfig;
 use crate::error::HarnessError;
 use crate::run::checkpoint::{self, CHECKPOINT, CheckpointError, REPLAY};
+use reports::wording::counted;
 
 /// A run whose files are sound.
 #[derive(Clone, Debug)]
@@ -74,7 +75,8 @@ pub fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     let recorded = recorded.iter().filter(|&&byte| byte == b'\n').count();
     if recorded > BEFORE_CHECKPOINT {
         let reason = format!(
-            "is missing, though {recorded} evaluations are recorded; delete this run's folder to train it anew"
+            "is missing, though records of {} exist; delete this run's folder to train it anew",
+            counted(recorded, "evaluation")
         );
         return Err(HarnessError::Damaged { path: folder.join(CHECKPOINT), reason });
     }
