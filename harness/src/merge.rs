@@ -35,7 +35,7 @@ struct Candidate {
     sound: Sound,
     records: Vec<u8>,
     teaching: Vec<u8>,
-    /// Bytes of its timings.
+    /// Evaluations that have timings. Their bytes would not do: a time with more digits is no better.
     timed: usize,
 }
 
@@ -120,7 +120,8 @@ fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
     let (records, teaching) = (bytes(layout::RECORDS)?, bytes(layout::TEACHING)?);
     // Timings that are not what the run ended with count as none.
     let has_lost_timings = sound.outcome.is_some() && checksums::check_timings(&folder).is_err();
-    let timed = if has_lost_timings { 0 } else { bytes(layout::TIMING)?.len() };
+    let lines = |bytes: Vec<u8>| bytes.iter().filter(|&&byte| byte == b'\n').count();
+    let timed = if has_lost_timings { 0 } else { lines(bytes(layout::TIMING)?) };
     Ok(Candidate { folder, sound, records, teaching, timed })
 }
 

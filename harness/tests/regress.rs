@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use reports::store::layout;
 use serde_json::Value;
-use support::{goalbench, stderr, stdout};
+use support::{goalbench, seal, stderr, stdout};
 
 /// A protocol of six runs of a fraction of a second.
 const PROTOCOL: &str = r#"
@@ -164,12 +164,13 @@ fn a_difference_that_is_no_fall_fails_only_where_exactness_is_asked_for() {
 #[test]
 fn a_run_that_broke_down_fails_the_check() {
     let home = Home::new();
-    let outcome = home.path("runs/runs/Point/her-iid/default/seed-1").join(layout::OUTCOME);
-    fs::write(outcome, r#"{"status":"failed","step":100,"reason":"the critic's loss is not finite"}"#)
-        .expect("written");
+    let run = home.path("runs/runs/Point/her-iid/default/seed-1");
+    let outcome = r#"{"status":"failed","step":200,"reason":"the critic's loss is not finite"}"#;
+    fs::write(run.join(layout::OUTCOME), outcome).expect("written");
+    seal(&run);
     let output = home.run("check --baseline B --results R");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stdout(&output).contains("seed-1: failed at step 100: the critic's loss"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("seed-1: failed at step 200: the critic's loss"), "{}", stdout(&output));
     let record = home.run("record --protocol P --results R --out O");
     assert_eq!(record.status.code(), Some(2));
     assert!(stderr(&record).contains("a baseline needs runs that come to their end"), "{}", stderr(&record));
