@@ -10,7 +10,8 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
-//! Whoever wants to know more than training shows asks for [`Rollouts`].
+//! Teachers that go by success keep a [`History`] of it, for goals or for [`Regions`] of them. Whoever wants
+//! to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
@@ -19,10 +20,12 @@ mod config;
 mod curriculum;
 mod distribution;
 mod error;
+mod history;
 mod method;
 pub mod methods;
 mod pool_state;
 mod probe;
+mod regions;
 mod registry;
 mod rollouts;
 pub mod snapshot;
@@ -36,9 +39,11 @@ pub use config::{Configured, schema_of};
 pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, Statistics, TeacherSummary};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
+pub use history::History;
 pub use method::Method;
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
+pub use regions::Regions;
 pub use registry::{CURRICULA, Configure, Entry};
 pub use rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
 pub use state::{PlainState, TeacherState};
