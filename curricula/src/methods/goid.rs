@@ -33,7 +33,6 @@ use std::sync::Arc;
 
 use agents::Episode;
 use envs::Goals;
-use looks::colours::GREEN;
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -71,9 +70,9 @@ pub struct GoidConfig {
     ///
     /// Unit: none. Range: 0 to 1. Source: a choice; 1/3 in the authors' code.
     pub earlier: f64,
-    /// Share of episodes whose goal is tried afresh; with `earlier` at most 1.
+    /// Share of episodes whose goal is tried afresh; together with `earlier` at most 1.
     ///
-    /// Unit: none. Range: above 0, to 1. Source: a choice.
+    /// Unit: none. Range: above 0. Source: a choice.
     pub fresh: f64,
 }
 
@@ -149,7 +148,7 @@ impl Method for Goid {
     type State = GoidState;
     const ID: &'static str = "goid";
     const TITLE: &'static str = "GOID";
-    const LOOK: Option<Look> = Some(Look::new(GREEN, Dash::Dotted, Marker::Square));
+    const LOOK: Option<Look> = Some(Look::new((90, 140, 20), Dash::Dotted, Marker::Square));
     const SOURCE: &'static str =
         "Florensa et al., Automatic Goal Generation for Reinforcement Learning Agents, ICML 2018";
     const VERSION: &'static str = "1";

@@ -30,7 +30,6 @@ use std::sync::Arc;
 
 use agents::Episode;
 use envs::Goals;
-use looks::colours::BLACK;
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -119,7 +118,7 @@ impl Method for Lp {
     type State = LpState;
     const ID: &'static str = "lp";
     const TITLE: &'static str = "LP";
-    const LOOK: Option<Look> = Some(Look::new(BLACK, Dash::DashDot, Marker::Wedge));
+    const LOOK: Option<Look> = Some(Look::new((225, 45, 60), Dash::DashDot, Marker::Wedge));
     const SOURCE: &'static str =
         "Colas et al., CURIOUS: Intrinsically Motivated Modular Multi-Goal Reinforcement Learning, ICML 2019";
     const VERSION: &'static str = "1";

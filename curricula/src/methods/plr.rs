@@ -33,7 +33,6 @@
 use agents::{Critic, Episode};
 use envs::Reward;
 use envs::rng::Rng;
-use looks::colours::PURPLE;
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -229,7 +228,7 @@ impl Method for Plr {
     type State = PlrState;
     const ID: &'static str = "plr";
     const TITLE: &'static str = "PLR";
-    const LOOK: Option<Look> = Some(Look::new(PURPLE, Dash::Long, Marker::Circle));
+    const LOOK: Option<Look> = Some(Look::new((170, 40, 200), Dash::Sparse, Marker::Circle));
     const SOURCE: &'static str = "Jiang, Grefenstette and Rocktäschel, Prioritized Level Replay, ICML 2021";
     const VERSION: &'static str = "1";
     const USES_POOL: bool = true;

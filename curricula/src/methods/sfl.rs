@@ -32,7 +32,6 @@
 
 use envs::rng::{Rng, uniform};
 use envs::{GoalSource, Goals};
-use looks::colours::BLUE;
 use looks::{Dash, Look, Marker};
 use rand::Rng as _;
 use schemars::{JsonSchema, Schema};
@@ -137,7 +136,7 @@ impl Method for Sfl {
     type State = SflState;
     const ID: &'static str = "sfl";
     const TITLE: &'static str = "SFL";
-    const LOOK: Option<Look> = Some(Look::new(BLUE, Dash::Solid, Marker::Triangle));
+    const LOOK: Option<Look> = Some(Look::new((20, 60, 230), Dash::Solid, Marker::Triangle));
     const SOURCE: &'static str = "Rutherford et al., No Regrets: Investigating and Improving Regret \
                                   Approximations for Curriculum Discovery, NeurIPS 2024";
     const VERSION: &'static str = "1";
