@@ -10,18 +10,28 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
+//! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools
+//! for that.
+//!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
 
+mod achieved;
+mod assignment;
 mod config;
 mod curriculum;
+mod density;
 mod distribution;
 mod error;
+mod kmeans;
 mod method;
 pub mod methods;
+mod mixture;
 mod pool_state;
 mod probe;
 mod registry;
+mod replayed;
+mod scaling;
 pub mod snapshot;
 mod state;
 mod teacher;
@@ -29,14 +39,18 @@ pub mod testing;
 mod variance;
 mod window;
 
+pub use assignment::assignment;
 pub use config::{Configured, schema_of};
 pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, Statistics, TeacherSummary};
+pub use density::{KernelDensity, divergence};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
 pub use method::Method;
+pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
 pub use registry::{CURRICULA, Configure, Entry};
+pub use scaling::Scaling;
 pub use state::{PlainState, TeacherState};
 pub use teacher::Teacher;
 pub use variance::{ROUNDING, population_variance, rounding};

@@ -3,8 +3,12 @@
 //! A method is its file, its `pub mod` line here, and its row in [`crate::CURRICULA`], which makes it part of
 //! the program.
 
+pub mod alp_gmm;
 pub mod her_iid;
 pub mod her_iid_pool;
+pub mod hgg;
+pub mod mega;
+pub mod omega;
 pub mod procurl;
 pub mod space;
 pub mod teach;
