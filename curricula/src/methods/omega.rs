@@ -111,7 +111,7 @@ impl Method for Omega {
     type State = OmegaState;
     const ID: &'static str = "omega";
     const TITLE: &'static str = "OMEGA";
-    const LOOK: Option<Look> = Some(Look::new((120, 75, 20), Dash::Short, Marker::Square));
+    const LOOK: Option<Look> = Some(Look::new((95, 55, 10), Dash::Short, Marker::Square));
     const SOURCE: &'static str = "Pitis et al., Maximum Entropy Gain Exploration for Long Horizon Multi-goal \
                                   Reinforcement Learning, ICML 2020 (OMEGA)";
     const VERSION: &'static str = "1";
