@@ -355,7 +355,7 @@ mod tests {
     fn the_cutoff_follows_ten_episodes_and_counts_anew() {
         let config = MegaConfig::default();
         let mut state = MegaState::new(&config);
-        let mut after = |state: &mut MegaState, successes: [bool; 10], values: &[f64]| {
+        let after = |state: &mut MegaState, successes: [bool; 10], values: &[f64]| {
             state.recent.extend(successes);
             state.follow(&config, values, -20.0);
             (state.cutoff, state.recent.len())

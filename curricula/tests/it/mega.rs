@@ -102,7 +102,7 @@ fn the_density_is_that_of_replayed_goals_on_their_own_scale() {
 fn the_cutoff_falls_while_goals_are_reached_and_rises_while_they_are_not() {
     // All that was achieved lies at the start, so that standing still reaches it.
     let mut class = Class::new("mega", "samples = 50", 1, |candidate, _| -1.0 - candidate as f64);
-    let mut cycles = |class: &mut Class, n: usize, reached: bool| {
+    let cycles = |class: &mut Class, n: usize, reached: bool| {
         for _ in 0..n {
             class.reset();
             let place: Vec<f64> = class.start.achieved.iter().map(|x| if reached { *x } else { x + 1.0 }).collect();
