@@ -12,6 +12,7 @@
 //!
 //! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools
 //! for that.
+//! Whoever wants to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
@@ -31,6 +32,7 @@ mod pool_state;
 mod probe;
 mod registry;
 mod replayed;
+mod rollouts;
 mod scaling;
 pub mod snapshot;
 mod state;
@@ -50,6 +52,7 @@ pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
 pub use registry::{CURRICULA, Configure, Entry};
+pub use rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
 pub use scaling::Scaling;
 pub use state::{PlainState, TeacherState};
 pub use teacher::Teacher;

@@ -49,7 +49,7 @@ pub fn check(folder: &Path) -> Result<Sound, HarnessError> {
     match &checkpoint {
         Some(checkpoint) if !is_finished => {
             checkpoint.progress.check(&run)?;
-            let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.step());
+            let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.training_steps());
             agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
                 .map_err(HarnessError::unusable(&manifest.run, "go on from this run's checkpoint"))?;
         }
