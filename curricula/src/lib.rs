@@ -11,8 +11,7 @@
 //! [`ScoredPool`] put the parts together.
 //!
 //! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools
-//! for that.
-//! Whoever wants to know more than training shows asks for [`Rollouts`].
+//! for that. Whoever wants to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.

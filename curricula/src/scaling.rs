@@ -60,14 +60,22 @@ impl Scaling {
     /// # Panics
     /// If `row` has another width, here and in [`Scaling::rows`].
     pub fn row(&self, row: &[f64]) -> Vec<f64> {
-        assert_eq!(row.len(), self.width(), "a row of another width");
-        row.iter().zip(&self.mean).zip(&self.deviation).map(|((x, mean), by)| (x - mean) / by).collect()
+        self.scaled(row).collect()
     }
 
     /// All of `rows`, shape `[n, d]`, on this scale.
     pub fn rows(&self, rows: &Rows) -> Rows {
-        let mut scaled = Rows::with_capacity(rows.width(), rows.len());
-        rows.iter().for_each(|row| scaled.push(&self.row(row)));
-        scaled
+        let mut all = Rows::with_capacity(rows.width(), rows.len());
+        let mut scaled = vec![0.0; self.width()];
+        for row in rows.iter() {
+            scaled.iter_mut().zip(self.scaled(row)).for_each(|(place, x)| *place = x);
+            all.push(&scaled);
+        }
+        all
+    }
+
+    fn scaled(&self, row: &[f64]) -> impl Iterator<Item = f64> {
+        assert_eq!(row.len(), self.width(), "a row of another width");
+        row.iter().zip(&self.mean).zip(&self.deviation).map(|((x, mean), by)| (x - mean) / by)
     }
 }

@@ -213,7 +213,12 @@ impl Method for AlpGmm {
 
     fn check(config: &AlpGmmConfig) -> Result<(), CurriculumError> {
         let AlpGmmConfig { fit_every, components, random, candidates } = *config;
-        CurriculumError::require((20..=10_000).contains(&fit_every), "fit_every", "in 20..=10000", fit_every)?;
+        CurriculumError::require(
+            (20..=10_000).contains(&fit_every),
+            "fit_every",
+            "in 20..=10000",
+            fit_every,
+        )?;
         CurriculumError::require((2..=20).contains(&components), "components", "in 2..=20", components)?;
         CurriculumError::require((0.0..=1.0).contains(&random), "random", "in [0, 1]", random)?;
         let ok = (1..=100_000).contains(&candidates);

@@ -70,11 +70,11 @@ pub struct HggConfig {
     pub trajectories: usize,
     /// c, weight of the distance between the starts.
     ///
-    /// Unit: none. Range: at least 0. Source: the paper.
+    /// Unit: none. Range: 0 to 1,000,000. Source: the paper.
     pub c: f64,
     /// L, how fast values fall with distance.
     ///
-    /// Unit: none. Range: above 0. Source: the paper.
+    /// Unit: none. Range: 0.001 to 1,000,000. Source: the paper.
     pub lipschitz: f64,
     /// Distance between the first and the last achieved goal below which an episode is passed over.
     ///
@@ -119,7 +119,11 @@ pub fn price(achieved: &Rows, effort: &[f64], goal: &[f64]) -> (usize, f64) {
 }
 
 /// The HGG teacher.
-pub struct Hgg(HggConfig);
+pub struct Hgg {
+    config: HggConfig,
+    /// G.
+    width: usize,
+}
 
 /// A hindsight goal and what its pair costs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -151,15 +155,15 @@ impl Hgg {
         let offers = self.offers(state.diameter, lesson)?;
         state.trajectories = offers.len() as f64;
         if offers.is_empty() {
-            state.coming = vec![None; self.0.goals].into();
+            state.coming = vec![None; self.config.goals].into();
             return Ok(());
         }
-        let mut costs = Rows::with_capacity(self.0.trajectories, wanted.len());
+        let mut costs = Rows::with_capacity(self.config.trajectories, wanted.len());
         for goal in wanted.iter() {
             let prices = offers.iter().map(|o| price(&o.achieved, &o.effort, goal).1 + o.detour);
             let prices: Vec<f64> = prices.collect();
             // Fewer episodes than asked for take turns.
-            let turns: Vec<f64> = prices.iter().copied().cycle().take(self.0.trajectories).collect();
+            let turns: Vec<f64> = prices.iter().copied().cycle().take(self.config.trajectories).collect();
             costs.push(&turns);
         }
         let pairs = assignment(&costs);
@@ -177,11 +181,12 @@ impl Hgg {
     /// The environment's goals to match, shape `[goals, G]`; with more of them the diameter is estimated.
     fn wanted(&self, state: &mut HggState, lesson: &mut Lesson<'_>) -> Goals {
         let start = &lesson.start.achieved;
-        let (mut goals, mut goal) = (Goals::with_capacity(start.len(), self.0.goals), vec![0.0; start.len()]);
-        for draw in 0..DIAMETER_DRAWS.max(self.0.goals) {
+        let (mut goals, mut goal) =
+            (Goals::with_capacity(start.len(), self.config.goals), vec![0.0; start.len()]);
+        for draw in 0..DIAMETER_DRAWS.max(self.config.goals) {
             lesson.goals.sample_goal(lesson.rng, &mut goal);
             state.diameter = state.diameter.max(distance(start, &goal));
-            if draw < self.0.goals {
+            if draw < self.config.goals {
                 goals.push(&goal);
             }
         }
@@ -190,7 +195,7 @@ impl Hgg {
 
     /// The newest episodes in which something moved.
     fn offers(&self, diameter: f64, lesson: &mut Lesson<'_>) -> Result<Vec<Offer>, CurriculumError> {
-        let HggConfig { trajectories, c, lipschitz, least_motion, .. } = self.0;
+        let HggConfig { trajectories, c, lipschitz, least_motion, .. } = self.config;
         let Lesson { student, start, .. } = lesson;
         let lowest = student.lowest_value();
         let mut offers = Vec::new();
@@ -233,15 +238,15 @@ impl Method for Hgg {
         let ok = (goals..=10_000).contains(&trajectories);
         let accepted = "at least `goals` and at most 10000";
         CurriculumError::require(ok, "trajectories", accepted, trajectories)?;
-        CurriculumError::require(c >= 0.0 && c.is_finite(), "c", "finite and at least 0", c)?;
-        let ok = lipschitz > 0.0 && lipschitz.is_finite();
-        CurriculumError::require(ok, "lipschitz", "positive and finite", lipschitz)?;
+        CurriculumError::require((0.0..=1e6).contains(&c), "c", "in [0, 1000000]", c)?;
+        let ok = (0.001..=1e6).contains(&lipschitz);
+        CurriculumError::require(ok, "lipschitz", "in [0.001, 1000000]", lipschitz)?;
         let ok = least_motion >= 0.0 && least_motion.is_finite();
         CurriculumError::require(ok, "least_motion", "finite and at least 0", least_motion)
     }
 
-    fn build(config: HggConfig, _setting: &Setting) -> Result<Self, CurriculumError> {
-        Ok(Self(config))
+    fn build(config: HggConfig, setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self { config, width: setting.spec.goal })
     }
 
     fn begin(&self, _setting: &Setting) -> Result<HggState, CurriculumError> {
@@ -269,10 +274,11 @@ impl Method for Hgg {
     }
 
     fn check_state(&self, state: &HggState) -> Result<(), CurriculumError> {
-        if state.coming.len() < self.0.goals {
+        let fits = |matched: &Matched| matched.goal.len() == self.width;
+        if state.coming.len() < self.config.goals && state.coming.iter().flatten().all(fits) {
             Ok(())
         } else {
-            Err(snapshot::refuse(format!("{} goals to come", state.coming.len())))
+            Err(snapshot::refuse("its coming goals are too many, or of another task"))
         }
     }
 }

@@ -66,7 +66,7 @@ pub struct MegaConfig {
     pub samples: usize,
     /// Standard deviation of a kernel, where the goals' own is 1.
     ///
-    /// Unit: none. Range: above 0. Source: the paper.
+    /// Unit: none. Range: 0.001 to 1000. Source: the paper.
     pub bandwidth: f64,
     /// The first cutoff, which is also the highest: the value that a goal must have.
     ///
@@ -110,8 +110,8 @@ impl MegaConfig {
         let ok = (1..=10_000).contains(&candidates);
         CurriculumError::require(ok, "candidates", "in 1..=10000", candidates)?;
         CurriculumError::require((1..=100_000).contains(&samples), "samples", "in 1..=100000", samples)?;
-        let ok = bandwidth > 0.0 && bandwidth.is_finite();
-        CurriculumError::require(ok, "bandwidth", "positive and finite", bandwidth)?;
+        let ok = (0.001..=1000.0).contains(&bandwidth);
+        CurriculumError::require(ok, "bandwidth", "in [0.001, 1000]", bandwidth)?;
         let ok = cutoff <= 0.0 && cutoff.is_finite();
         CurriculumError::require(ok, "cutoff", "finite and at most 0", cutoff)?;
         CurriculumError::require((0.0..=1.0).contains(&easy), "easy", "in [0, 1]", easy)?;
@@ -238,11 +238,7 @@ impl MegaState {
 
     /// Its numbers.
     pub(super) fn statistics(&self) -> Statistics {
-        vec![
-            ("cutoff", self.cutoff),
-            ("passed_share", self.passed),
-            ("log_density", self.log_density),
-        ]
+        vec![("cutoff", self.cutoff), ("passed_share", self.passed), ("log_density", self.log_density)]
     }
 
     /// Refuses a loaded state that counts more episodes than `config` does.

@@ -144,7 +144,8 @@ fn trajectories_from_a_start_like_this_one_are_preferred() {
 #[test]
 fn trajectories_that_stand_still_are_passed_over() {
     let still = walk([0.5, 0.5], [0.5, 0.509]);
-    let mut class = class("goals = 1\ntrajectories = 2", &[four().to_vec(), vec![still.clone(); 5]].concat(), falling);
+    let mut class =
+        class("goals = 1\ntrajectories = 2", &[four().to_vec(), vec![still.clone(); 5]].concat(), falling);
     propose(&mut class);
     assert_eq!(class.statistic("trajectories"), 2.0);
     assert!(class.student.asked.iter().all(|question| question.goals != still.achieved));
@@ -185,4 +186,18 @@ fn goals_come_nearer_to_the_environments_as_trajectories_do() {
     };
     let (short, long) = (reach(0.2), reach(0.9));
     assert!(short < 0.21 && long > 2.0 * short, "{short}, then {long}");
+}
+
+#[test]
+fn goals_of_another_task_are_refused() {
+    let mut taught = class("goals = 3\ntrajectories = 4", &four(), falling);
+    propose(&mut taught);
+    let saved = taught.teacher.save().unwrap();
+    class("goals = 3\ntrajectories = 4", &[], falling).teacher.load(&saved).unwrap();
+    let hgg =
+        |environment: &str, config: &str| Class::on(environment, entry("hgg"), config, 1, falling).unwrap();
+    for mut other in [hgg("FetchReach", "goals = 3"), hgg("Point", "goals = 2")] {
+        let error = other.teacher.load(&saved).unwrap_err();
+        assert!(error.to_string().contains("too many, or of another task"), "{error}");
+    }
 }

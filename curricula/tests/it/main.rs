@@ -15,6 +15,6 @@ mod registry;
 mod space;
 mod standstill;
 mod support;
-mod tools;
 mod teach;
+mod tools;
 mod vds;

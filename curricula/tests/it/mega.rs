@@ -105,7 +105,8 @@ fn the_cutoff_falls_while_goals_are_reached_and_rises_while_they_are_not() {
     let cycles = |class: &mut Class, n: usize, reached: bool| {
         for _ in 0..n {
             class.reset();
-            let place: Vec<f64> = class.start.achieved.iter().map(|x| if reached { *x } else { x + 1.0 }).collect();
+            let place: Vec<f64> =
+                class.start.achieved.iter().map(|x| if reached { *x } else { x + 1.0 }).collect();
             // Proposals reset the class once more: on the point task to a start elsewhere.
             class.student.remembered = vec![stay(class, &place)];
             class.propose().unwrap();

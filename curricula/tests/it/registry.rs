@@ -116,8 +116,8 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
         ("alp-gmm", "candidates", 0.into(), "in 1..=100000"),
         ("mega", "candidates", 0.into(), "in 1..=10000"),
         ("mega", "samples", 100_001.into(), "in 1..=100000"),
-        ("mega", "bandwidth", 0.0.into(), "positive and finite"),
-        ("mega", "bandwidth", f64::NAN.into(), "positive and finite"),
+        ("mega", "bandwidth", 0.0.into(), "in [0.001, 1000]"),
+        ("mega", "bandwidth", f64::NAN.into(), "in [0.001, 1000]"),
         ("mega", "cutoff", 0.1.into(), "finite and at most 0"),
         ("mega", "cutoff", f64::NEG_INFINITY.into(), "finite and at most 0"),
         ("mega", "easy", 1.5.into(), "in [0, 1]"),
@@ -131,8 +131,8 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
         ("hgg", "goals", 0.into(), "in 1..=1000"),
         ("hgg", "trajectories", 49.into(), "at least `goals` and at most 10000"),
         ("hgg", "trajectories", 10_001.into(), "at least `goals` and at most 10000"),
-        ("hgg", "c", (-1.0).into(), "finite and at least 0"),
-        ("hgg", "lipschitz", 0.0.into(), "positive and finite"),
+        ("hgg", "c", (-1.0).into(), "in [0, 1000000]"),
+        ("hgg", "lipschitz", 0.0.into(), "in [0.001, 1000000]"),
         ("hgg", "least_motion", f64::NAN.into(), "finite and at least 0"),
     ];
     for (id, field, value, accepted) in cases {
@@ -144,7 +144,7 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
 
 #[test]
 fn the_ends_of_every_range_are_accepted() {
-    let cases: [(&str, &str, &[Value]); 33] = [
+    let cases: [(&str, &str, &[Value]); 35] = [
         ("teach", "window", &[2.into()]),
         ("teach", "interplay", &[1.into()]),
         ("teach", "replay_states", &[1.into(), 1024.into()]),
@@ -177,7 +177,9 @@ fn the_ends_of_every_range_are_accepted() {
         ("omega", "desired", &[1.into(), 10_000.into()]),
         ("hgg", "goals", &[1.into(), 1000.into()]),
         ("hgg", "trajectories", &[50.into(), 10_000.into()]),
-        ("hgg", "c", &[0.0.into()]),
+        ("hgg", "c", &[0.0.into(), 1e6.into()]),
+        ("hgg", "lipschitz", &[0.001.into(), 1e6.into()]),
+        ("mega", "bandwidth", &[0.001.into(), 1000.0.into()]),
     ];
     for (id, field, values) in cases {
         for value in values {
