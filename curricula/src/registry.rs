@@ -35,6 +35,10 @@ pub const CURRICULA: &[Entry] = &[
     Entry::of::<methods::plr::Plr>(),
     Entry::of::<methods::goid::Goid>(),
     Entry::of::<methods::lp::Lp>(),
+    Entry::of::<methods::alp_gmm::AlpGmm>(),
+    Entry::of::<methods::mega::Mega>(),
+    Entry::of::<methods::omega::Omega>(),
+    Entry::of::<methods::hgg::Hgg>(),
 ];
 
 /// A row of the table: a [`Method`] behind functions that do not name its type.

@@ -21,8 +21,8 @@
 //!   here bounds are included.
 //! - A goal stays an earlier one once it has been of intermediate difficulty. The authors keep such goals
 //!   unless one lies within 0.3 of another; the pool is finite, so all stay.
-//! - The shares are 0.7 now, 0.2 earlier, 0.1 afresh. The authors' are 2/3 from the GAN, whose noise tries new
-//!   goals, and 1/3 earlier ones.
+//! - The shares are 0.7 now, 0.2 earlier, 0.1 afresh. The authors' are 2/3 from the GAN, whose noise tries
+//!   new goals, and 1/3 earlier ones.
 //! - Afresh are the goals whose region has not been tried `window` times; if there is none any more, all
 //!   goals. The share of a kind that has no goals goes to the others in proportion. Before the first success
 //!   all goals are alike; the authors begin with goals that the untrained student achieves by chance.
