@@ -8,7 +8,7 @@ use envs::{Observation, Reward, Rows, Spec};
 
 use crate::batch::Batch;
 use crate::diagnosis::Diagnosis;
-use crate::episode::Episode;
+use crate::episode::{Episode, Trajectory};
 use crate::error::AgentError;
 use crate::networks::Parameters;
 
@@ -87,6 +87,24 @@ pub trait Critic {
     /// buffer is empty.
     fn replay_states(&mut self, m: usize, rng: &mut Rng) -> Rows;
 
+    /// `m` goals that were achieved after some transition, drawn uniformly, with replacement, from the replay
+    /// buffer: shape `[m, G]`; no row if the buffer is empty.
+    fn replay_achieved(&mut self, m: usize, rng: &mut Rng) -> Rows;
+
+    /// Episodes in the replay buffer.
+    fn replay_episodes(&self) -> usize;
+
+    /// The episode that came into the replay buffer as the last but `age`: 0 is the newest,
+    /// [`Critic::replay_episodes`] − 1 the oldest. `None` beyond that.
+    fn replay_trajectory(&self, age: usize) -> Option<Trajectory>;
+
+    /// The temporal-difference error of every transition of `trajectory` towards its own goal, shape `[H]`:
+    /// y − Q(s, g, a), with the target y that the student's critic learns towards. `reward` is the task's.
+    ///
+    /// # Errors
+    /// [`AgentError::NotFinite`] if a value is NaN, [`AgentError::Shape`] if `trajectory` is of another task.
+    fn td_errors(&mut self, trajectory: &Trajectory, reward: &dyn Reward) -> Result<Vec<f64>, AgentError>;
+
     /// Fills `batch` with transitions drawn uniformly from the replay buffer, each with the goal that was
     /// asked for in its episode (no relabelling). A teacher that learns from the student's experience needs
     /// no buffer of its own.
@@ -126,7 +144,7 @@ pub trait Agent: Critic + Send {
         action: &mut [f64],
     ) -> Result<(), AgentError>;
 
-    /// Tells the student that a training episode begins (correlated exploration noise starts anew).
+    /// Tells the student that an episode with exploration begins (correlated noise starts anew).
     fn begin_episode(&mut self) {}
 
     /// Takes in a finished training episode. `reward` is the task's, for relabelling.

@@ -78,7 +78,7 @@ pub use device::Device;
 pub use diagnosis::{Diagnosis, DryStep};
 pub use draw::{HerStrategy, Hindsight};
 pub use ensemble::{Ensemble, EnsembleConfig};
-pub use episode::Episode;
+pub use episode::{Episode, Trajectory};
 pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, TorchError};
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};

@@ -20,6 +20,11 @@ impl Discount {
     pub(crate) fn lowest_value(self) -> f64 {
         -1.0 / (1.0 - self.gamma)
     }
+
+    /// The clipped Bellman target ([`bellman_target`]) of one transition.
+    pub(crate) fn target(self, reward: f32, next_value: f32) -> f32 {
+        bellman_target(reward, next_value, self.gamma as f32, self.lowest_value() as f32)
+    }
 }
 
 /// y = clip(r + γ·Q'(s', g, π'(s', g)), −1/(1 − γ), 0), the clipped Bellman target (DDPG, Eq. 5; HER, section

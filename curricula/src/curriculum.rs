@@ -7,6 +7,7 @@ use envs::rng::Rng;
 use envs::{GoalSource, Goals, Observation, Reward, Spec};
 
 use crate::error::CurriculumError;
+use crate::rollouts::{RolloutRequest, Rollouts};
 
 /// The goal that a teacher asks for in the coming episode, and what it thought of that goal.
 ///
@@ -171,6 +172,25 @@ pub trait Curriculum: Send {
         reward: &dyn Reward,
         rng: &mut Rng,
     ) -> Result<(), CurriculumError>;
+
+    /// Asks for probe rollouts, if it wants some. It is asked after each cycle, once student and teacher have
+    /// learned, unless earlier rollouts are still to be played. `goals` gives fresh goals for the start of
+    /// the last episode.
+    ///
+    /// # Errors
+    /// [`CurriculumError`] if its own numbers are unusable.
+    fn request_rollouts(
+        &mut self,
+        goals: &mut dyn GoalSource,
+        rng: &mut Rng,
+    ) -> Result<Option<RolloutRequest>, CurriculumError>;
+
+    /// Hears what all the rollouts that it asked for came to. No episode of training lies between the first
+    /// and the last of them, so they all tell of one student.
+    ///
+    /// # Errors
+    /// [`CurriculumError`] if they are not those that it asked for.
+    fn hear_rollouts(&mut self, rollouts: &Rollouts) -> Result<(), CurriculumError>;
 
     /// What there is to record of it now.
     fn summary(&self) -> TeacherSummary<'_>;

@@ -1,8 +1,8 @@
 //! What a teaching method is.
 
 use agents::{Critic, Episode};
-use envs::Reward;
 use envs::rng::Rng;
+use envs::{GoalSource, Reward};
 use looks::Look;
 use schemars::Schema;
 use serde::Serialize;
@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::rollouts::{RolloutRequest, Rollouts};
 use crate::state::TeacherState;
 
 /// A teaching method: what makes a row of the table, and a teacher in every run.
@@ -148,6 +149,28 @@ pub trait Method: Sized + Send + Sync + 'static {
         _reward: &dyn Reward,
         _rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
+        Ok(())
+    }
+
+    /// Asks for probe rollouts after a cycle. Their steps are the method's price: whether they are charged to
+    /// the run's budget is best an option of its config, true by default.
+    ///
+    /// # Errors
+    /// [`CurriculumError`] if its own numbers are unusable.
+    fn request_rollouts(
+        &self,
+        _state: &mut Self::State,
+        _goals: &mut dyn GoalSource,
+        _rng: &mut Rng,
+    ) -> Result<Option<RolloutRequest>, CurriculumError> {
+        Ok(None)
+    }
+
+    /// Hears what the rollouts that it asked for came to.
+    ///
+    /// # Errors
+    /// [`CurriculumError`] if they are not those that it asked for.
+    fn hear_rollouts(&self, _state: &mut Self::State, _rollouts: &Rollouts) -> Result<(), CurriculumError> {
         Ok(())
     }
 

@@ -31,6 +31,14 @@ pub const CURRICULA: &[Entry] = &[
     Entry::of::<methods::vds::Vds>(),
     Entry::of::<methods::space::Space>(),
     Entry::of::<methods::procurl::ProCurl>(),
+    Entry::of::<methods::sfl::Sfl>(),
+    Entry::of::<methods::plr::Plr>(),
+    Entry::of::<methods::goid::Goid>(),
+    Entry::of::<methods::lp::Lp>(),
+    Entry::of::<methods::alp_gmm::AlpGmm>(),
+    Entry::of::<methods::mega::Mega>(),
+    Entry::of::<methods::omega::Omega>(),
+    Entry::of::<methods::hgg::Hgg>(),
 ];
 
 /// A row of the table: a [`Method`] behind functions that do not name its type.

@@ -1,12 +1,13 @@
 //! A method at work.
 
 use agents::{Critic, Episode};
-use envs::Reward;
 use envs::rng::Rng;
+use envs::{GoalSource, Reward};
 
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
 use crate::method::Method;
+use crate::rollouts::{RolloutRequest, Rollouts};
 use crate::snapshot;
 use crate::state::TeacherState;
 
@@ -35,12 +36,13 @@ impl<M: Method> Teacher<M> {
 
     /// Refuses a loaded state that does not fit pool or config.
     fn check(&self, state: &M::State) -> Result<(), CurriculumError> {
+        self.method.check_state(state)?;
         if M::USES_POOL
             && let Some(weights) = self.method.summary(state).weights
         {
             snapshot::require_goals(weights.len(), self.setting.pool.len())?;
         }
-        self.method.check_state(state)
+        Ok(())
     }
 }
 
@@ -60,6 +62,18 @@ impl<M: Method> Curriculum for Teacher<M> {
         rng: &mut Rng,
     ) -> Result<(), CurriculumError> {
         self.method.learn(&mut self.state, student, reward, rng)
+    }
+
+    fn request_rollouts(
+        &mut self,
+        goals: &mut dyn GoalSource,
+        rng: &mut Rng,
+    ) -> Result<Option<RolloutRequest>, CurriculumError> {
+        self.method.request_rollouts(&mut self.state, goals, rng)
+    }
+
+    fn hear_rollouts(&mut self, rollouts: &Rollouts) -> Result<(), CurriculumError> {
+        self.method.hear_rollouts(&mut self.state, rollouts)
     }
 
     fn summary(&self) -> TeacherSummary<'_> {

@@ -31,6 +31,8 @@ pub enum Purpose {
     Evaluation(u64),
     /// The batch on which the student is diagnosed at the evaluation with this index.
     Diagnosis(u64),
+    /// Start state and exploration noise of the probe episode with this index.
+    Rollout(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.
     FinalEvaluation,
@@ -48,6 +50,7 @@ impl Purpose {
             Self::Pool => ("pool", 0),
             Self::Evaluation(index) => ("evaluation", index),
             Self::Diagnosis(index) => ("diagnosis", index),
+            Self::Rollout(index) => ("rollout", index),
             Self::FinalEvaluation => ("final-evaluation", 0),
         }
     }
@@ -105,6 +108,8 @@ mod tests {
             (Purpose::Evaluation(7), 0x4f00_87c2_6377_b535),
             (Purpose::Diagnosis(0), 0x480f_e9d3_4e59_5a17),
             (Purpose::Diagnosis(7), 0xa14f_d408_d329_f504),
+            (Purpose::Rollout(0), 0xc2fe_745b_ef2a_c253),
+            (Purpose::Rollout(7), 0x394f_3fd4_e9ac_fb95),
             (Purpose::FinalEvaluation, 0x9433_8273_70ad_d441_u64),
         ];
         for (purpose, expected) in keys {

@@ -1,12 +1,14 @@
 //! Asking the networks: actions and values without learning.
 
-use envs::Rows;
+use envs::{Reward, Rows};
 use tch::{Device, TchError, Tensor};
 
 use crate::agent::Network;
 use crate::batch::{Batch, Dims, check_len};
+use crate::episode::Trajectory;
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers};
+use crate::losses::Discount;
 use crate::networks::{Block, Parameters, Passes, Shape, copy, read};
 use crate::precision::Arithmetic;
 
@@ -99,7 +101,17 @@ impl Query {
     ) -> Result<(), AgentError> {
         self.actor.forward(learner.actor.network(network.actor()), &self.views.observed)?;
         copy(&self.views.actions.plain.whole, &self.actor.output().plain.whole)?;
-        self.critic.forward(learner.critic.networks.network(network.critic()), &self.views.all)?;
+        self.judge(learner, network.critic(), work)
+    }
+
+    /// Calls `work` with Q(s, g, a) of the rows in use, whose actions are in place, shape `[rows]`.
+    fn judge(
+        &mut self,
+        learner: &Learner,
+        critic: Parameters,
+        work: impl FnOnce(&[f32]),
+    ) -> Result<(), AgentError> {
+        self.critic.forward(learner.critic.networks.network(critic), &self.views.all)?;
         read_finite(&self.critic.output().plain.whole, "critic's value", learner.steps, work)
     }
 }
@@ -195,6 +207,58 @@ impl Inference {
             *sum /= states.len() as f64;
         }
         Ok(sums)
+    }
+
+    /// See [`crate::Critic::td_errors`].
+    pub(super) fn td_errors(
+        &mut self,
+        learner: &Learner,
+        normalizers: &Normalizers,
+        discount: Discount,
+        trajectory: &Trajectory,
+        reward: &dyn Reward,
+    ) -> Result<Vec<f64>, AgentError> {
+        let Dims { state, goal, action } = self.many.dims;
+        let Trajectory { states, achieved, actions, goal: wanted } = trajectory;
+        for (what, expected, got) in [
+            ("a state", state, states.width()),
+            ("a goal", goal, wanted.len()),
+            ("an achieved goal", goal, achieved.width()),
+            ("an action", action, actions.width()),
+            ("a trajectory's states", actions.len() + 1, states.len()),
+            ("a trajectory's achieved goals", actions.len() + 1, achieved.len()),
+        ] {
+            check_len(what, expected, got)?;
+        }
+        let mut targets = Vec::with_capacity(actions.len());
+        let next = (1..states.len()).map(|step| (states.row(step), wanted.as_slice()));
+        self.in_chunks(normalizers, next, |query| {
+            query.values(learner, Network::Target, |values| {
+                for &value in values {
+                    let reward = reward.reward(achieved.row(targets.len() + 1), wanted) as f32;
+                    targets.push(discount.target(reward, value));
+                }
+            })
+        })?;
+        let columns = self.many.dims.critic_inputs();
+        let mut errors = Vec::with_capacity(targets.len());
+        for first in (0..actions.len()).step_by(CHUNK) {
+            let rows = CHUNK.min(actions.len() - first);
+            self.many.set_rows(rows)?;
+            self.many.inputs.fill(|numbers| {
+                for (step, row) in (first..first + rows).zip(numbers.chunks_exact_mut(columns)) {
+                    normalizers.write_wide(states.row(step), wanted, row);
+                    for (place, &number) in row[state + goal..].iter_mut().zip(actions.row(step)) {
+                        *place = number as f32;
+                    }
+                }
+            })?;
+            self.many.judge(learner, Parameters::Online, |values| {
+                let pairs = values.iter().zip(&targets[first..]);
+                errors.extend(pairs.map(|(&value, &target)| f64::from(target) - f64::from(value)));
+            })?;
+        }
+        Ok(errors)
     }
 
     /// See [`crate::Critic::label_next_actions`].

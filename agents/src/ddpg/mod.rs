@@ -33,6 +33,8 @@ mod infer;
 #[cfg(test)]
 mod reference_tests;
 mod state;
+#[cfg(test)]
+mod td_tests;
 mod update;
 #[cfg(test)]
 mod wiring_tests;
@@ -48,7 +50,7 @@ use crate::batch::{Batch, Dims, check_len};
 use crate::config::{PolyakEvery, StudentConfig};
 use crate::diagnosis::Diagnosis;
 use crate::draw::Hindsight;
-use crate::episode::Episode;
+use crate::episode::{Episode, Trajectory};
 use crate::error::AgentError;
 use crate::inputs::Normalizers;
 use crate::losses::Discount;
@@ -155,6 +157,31 @@ impl Critic for Ddpg {
             states.push(&state);
         }
         states
+    }
+
+    fn replay_achieved(&mut self, m: usize, rng: &mut Rng) -> Rows {
+        let mut goals = Rows::with_capacity(self.spec.goal, m);
+        let mut goal = vec![0.0; self.spec.goal];
+        for _ in 0..m {
+            // The only error is an empty buffer, which gives no row.
+            if self.replay.sample_achieved(rng, &mut goal).is_err() {
+                break;
+            }
+            goals.push(&goal);
+        }
+        goals
+    }
+
+    fn replay_episodes(&self) -> usize {
+        self.replay.len()
+    }
+
+    fn replay_trajectory(&self, age: usize) -> Option<Trajectory> {
+        self.replay.trajectory(age)
+    }
+
+    fn td_errors(&mut self, trajectory: &Trajectory, reward: &dyn Reward) -> Result<Vec<f64>, AgentError> {
+        self.inference.td_errors(&self.learner, &self.normalizers, self.discount, trajectory, reward)
     }
 
     fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {

@@ -9,13 +9,13 @@
 mod log;
 
 use envs::rng::Rng;
-use envs::{Reward, Spec};
+use envs::{Reward, Rows, Spec};
 use rand::Rng as _;
 
 use crate::batch::{Batch, Dims, check_len};
 use crate::checks::at_least;
 use crate::draw::{Draw, Hindsight};
-use crate::episode::Episode;
+use crate::episode::{Episode, Trajectory};
 use crate::error::AgentError;
 
 pub(crate) use log::{Log, read_all};
@@ -225,17 +225,53 @@ impl Replay {
         &record[step * self.step_len() + self.dims.state..][..self.dims.goal]
     }
 
+    /// The episode that came in as the last but `age`, if it is still there.
+    pub fn trajectory(&self, age: usize) -> Option<Trajectory> {
+        let number = self.stored.checked_sub(1)?.checked_sub(age as u64).filter(|_| age < self.len())?;
+        let record = &self.records[self.slot(number)];
+        let Dims { state, goal, action } = self.dims;
+        let rows = |width| Rows::with_capacity(width, self.horizon + 1);
+        let (mut states, mut achieved, mut actions) = (rows(state), rows(goal), rows(action));
+        let mut wide = vec![0.0; self.step_len()];
+        for (index, step) in record.chunks_exact(self.step_len()).take(self.horizon + 1).enumerate() {
+            widen(step, &mut wide);
+            states.push(&wide[..state]);
+            achieved.push(&wide[state..][..goal]);
+            if index < self.horizon {
+                actions.push(&wide[state + goal..]);
+            }
+        }
+        let goal = record[self.record_len() - goal..].iter().map(|&x| f64::from(x)).collect();
+        Some(Trajectory { states, achieved, actions, goal })
+    }
+
+    /// Writes into `achieved` (`[G]`) the goal achieved after a transition drawn uniformly from the buffer.
+    ///
+    /// # Errors
+    /// [`AgentError::EmptyReplay`].
+    pub fn sample_achieved(&self, rng: &mut Rng, achieved: &mut [f64]) -> Result<(), AgentError> {
+        check_len("a goal", self.dims.goal, achieved.len())?;
+        let (record, step) = self.draw(rng)?;
+        widen(self.achieved(record, step + 1), achieved);
+        Ok(())
+    }
+
+    /// The episode and the step of a transition drawn uniformly from the buffer.
+    fn draw(&self, rng: &mut Rng) -> Result<(&[f32], usize), AgentError> {
+        if self.is_empty() {
+            return Err(AgentError::EmptyReplay);
+        }
+        let record = &self.records[rng.random_range(0..self.records.len())];
+        Ok((record, rng.random_range(0..self.horizon)))
+    }
+
     /// Writes into `state` (`[S]`) the state before a transition drawn uniformly from the buffer.
     ///
     /// # Errors
     /// [`AgentError::EmptyReplay`].
     pub fn sample_state(&self, rng: &mut Rng, state: &mut [f64]) -> Result<(), AgentError> {
         check_len("a state", self.dims.state, state.len())?;
-        if self.is_empty() {
-            return Err(AgentError::EmptyReplay);
-        }
-        let record = &self.records[rng.random_range(0..self.records.len())];
-        let step = rng.random_range(0..self.horizon);
+        let (record, step) = self.draw(rng)?;
         widen(&record[step * self.step_len()..][..self.dims.state], state);
         Ok(())
     }

@@ -6,7 +6,7 @@ use envs::{Defaults, EnvError, GoalEnv, GoalSource, Observation, Reward, Rows, S
 use super::{Replay, Source};
 use crate::batch::Batch;
 use crate::draw::{HerStrategy, Hindsight};
-use crate::episode::Episode;
+use crate::episode::{Episode, Trajectory};
 use crate::error::AgentError;
 
 const H: usize = 4;
@@ -195,4 +195,31 @@ fn nothing_can_be_drawn_from_an_empty_buffer() {
     let drawn = empty.sample(Source::All, Hindsight::NONE, &Equal, &mut rng, &mut Batch::new(&SPEC, 1));
     assert!(matches!(drawn, Err(AgentError::EmptyReplay)));
     assert!(matches!(empty.sample_state(&mut rng, &mut [0.0; 2]), Err(AgentError::EmptyReplay)));
+}
+
+#[test]
+fn episodes_are_remembered_whole_the_newest_first() {
+    // Room for 3 of 5 episodes: 1 and 2 have been replaced.
+    let replay = filled(3, 5);
+    for (age, number) in [(0, 5), (1, 4), (2, 3)] {
+        let Episode { states, achieved, actions, goal, .. } = episode(number);
+        assert_eq!(replay.trajectory(age), Some(Trajectory { states, achieved, actions, goal }), "{age}");
+    }
+    assert_eq!((replay.trajectory(3), filled(3, 0).trajectory(0)), (None, None));
+}
+
+#[test]
+fn achieved_goals_are_drawn_from_all_that_were_achieved_by_an_action() {
+    let (replay, mut rng) = (filled(2, 3), stream(0, Purpose::Replay));
+    let mut counts = BTreeMap::new();
+    for _ in 0..8_000 {
+        let mut goal = [0.0];
+        replay.sample_achieved(&mut rng, &mut goal).unwrap();
+        *counts.entry(goal[0] as usize).or_insert(0) += 1;
+    }
+    let expected: Vec<usize> = [2, 3].into_iter().flat_map(|e| (1..=H).map(move |t| 10 * e + t)).collect();
+    assert_eq!(counts.keys().copied().collect::<Vec<_>>(), expected, "of the two episodes left");
+    assert!(counts.values().all(|count| (880..1120).contains(count)), "1000 expected of each: {counts:?}");
+    let nothing = filled(2, 0).sample_achieved(&mut rng, &mut [0.0]);
+    assert!(matches!(nothing, Err(AgentError::EmptyReplay)));
 }

@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use agents::{Auto, StudentConfig};
-use envs::rng::{Purpose, Rng, stream};
+use agents::{Auto, Episode, StudentConfig, Trajectory};
+use envs::rng::{Purpose, Rng, stream, uniform};
 use envs::{GoalEnv, Observation, draw_pool};
 
 use super::{Script, ScriptedStudent, standing_still};
 use crate::curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Setting};
 use crate::error::CurriculumError;
 use crate::registry::{CURRICULA, Entry};
+use crate::rollouts::{RolloutRequest, Rollouts};
 
 /// The student's settings, for teachers with networks of their own: all small, so that tests are fast.
 fn small_student() -> StudentConfig {
     StudentConfig { width: 16, batch: Auto::Value(8), gamma: Auto::Value(0.5), ..StudentConfig::default() }
 }
+
+/// How likely an episode succeeds, in [0, 1], by its goal (`[G]`) and the student's gradient steps.
+pub type Mastery = fn(&[f64], u64) -> f64;
 
 /// A teacher, its scripted student, and everything a lesson needs.
 ///
@@ -37,6 +41,9 @@ pub struct Class {
     pub setting: Setting,
     /// The task.
     pub env: Box<dyn GoalEnv>,
+    /// How likely episodes succeed: never, unless a test says otherwise.
+    pub mastery: Mastery,
+    luck: Rng,
     starts: Rng,
     /// The start of the last episode.
     pub start: Observation,
@@ -77,7 +84,10 @@ impl Class {
         let teacher = entry.build(config.parse().expect("TOML"), &setting)?;
         let student = ScriptedStudent::new(env.spec().clone(), script);
         let (starts, rng) = (stream(0, Purpose::Environment), stream(0, Purpose::Teacher));
-        Ok(Self { teacher, student, setting, start: env.observation().clone(), env, starts, rng })
+        let start = env.observation().clone();
+        let luck = stream(0, Purpose::Exploration);
+        let mastery: Mastery = |_, _| 0.0;
+        Ok(Self { teacher, student, setting, mastery, luck, start, env, starts, rng })
     }
 
     /// An episode's beginning, before anything is proposed.
@@ -86,15 +96,26 @@ impl Class {
         self.start = self.env.observation().clone();
     }
 
-    /// One episode: the teacher's proposal, after which it hears of an episode of standing still.
+    /// One episode: the teacher's proposal, after which student and teacher hear of an episode of standing
+    /// still. Chance and [`Class::mastery`] say whether it counts as a success.
     ///
     /// # Errors
     /// What the teacher says.
     pub fn propose(&mut self) -> Result<Proposal, CurriculumError> {
         self.reset();
-        let Self { teacher, student, start, env, rng, .. } = self;
+        let Self { teacher, student, setting, mastery, luck, start, env, rng, .. } = self;
         let proposal = teacher.propose(&mut Lesson { student, start, goals: &mut **env, rng })?;
-        teacher.observe(&standing_still(&**env))?;
+        let mut episode = standing_still(&**env);
+        match &proposal.goal {
+            ProposedGoal::Native => {}
+            ProposedGoal::Pool(index) => episode.goal = setting.pool.row(*index).to_vec(),
+            ProposedGoal::Other(goal) => episode.goal.clone_from(goal),
+        }
+        let likely = mastery(&episode.goal, student.steps);
+        episode.success = uniform(luck, 0.0, 1.0) < likely;
+        teacher.observe(&episode)?;
+        let Episode { states, achieved, actions, goal, .. } = episode;
+        student.remembered.push(Trajectory { states, achieved, actions, goal });
         Ok(proposal)
     }
 
@@ -115,12 +136,38 @@ impl Class {
         }
     }
 
-    /// The student's and the teacher's learning at the end of a cycle.
+    /// The end of a cycle: student and teacher learn, and the teacher hears of the probe rollouts that it
+    /// asks for, if any.
     pub fn learn(&mut self) {
+        self.learn_alone();
+        if let Some(request) = self.request() {
+            self.play(&request);
+        }
+    }
+
+    /// The student's and the teacher's learning.
+    pub fn learn_alone(&mut self) {
         self.student.steps += 1;
         self.student.has_replay = true;
         let Self { teacher, student, env, rng, .. } = self;
         teacher.learn(student, &**env, rng).expect("learns");
+    }
+
+    /// What the teacher asks for after it has learned.
+    pub fn request(&mut self) -> Option<RolloutRequest> {
+        let Self { teacher, env, rng, .. } = self;
+        teacher.request_rollouts(&mut **env, rng).expect("a request, or none")
+    }
+
+    /// The teacher hears that p·E of the E episodes of each goal have succeeded, rounded, with p from
+    /// [`Class::mastery`].
+    pub fn play(&mut self, request: &RolloutRequest) {
+        let RolloutRequest { ref goals, episodes, .. } = *request;
+        let steps = self.student.steps;
+        let succeed = |goal: &[f64]| ((self.mastery)(goal, steps) * episodes as f64).round() as usize;
+        let successes = goals.iter().map(succeed).collect();
+        let rollouts = Rollouts { goals: goals.clone(), episodes, successes };
+        self.teacher.hear_rollouts(&rollouts).expect("rollouts that were asked for");
     }
 
     /// `n` cycles of one episode each: the indices proposed.

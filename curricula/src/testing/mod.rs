@@ -8,7 +8,7 @@ mod contract;
 mod episode;
 mod student;
 
-pub use class::Class;
+pub use class::{Class, Mastery};
 pub use contract::{contract, contract_with};
 pub use episode::standing_still;
-pub use student::{LOWEST, Question, Script, ScriptedStudent, scripted_action};
+pub use student::{LOWEST, Question, Script, ScriptedStudent, Surprise, scripted_action};

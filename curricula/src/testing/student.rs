@@ -2,15 +2,19 @@
 
 use std::cell::RefCell;
 
-use agents::{AgentError, Batch, Critic, Network};
+use agents::{AgentError, Batch, Critic, Network, Trajectory};
 use envs::rng::{Rng, uniform};
 use envs::{Goals, Reward, Rows, Spec};
+use rand::Rng as _;
 
 /// −1/(1−γ) of the scripted student.
 pub const LOWEST: f64 = -50.0;
 
 /// Confidence by goal index and gradient steps.
 pub type Script = fn(usize, u64) -> f64;
+
+/// The size of the temporal-difference errors in an episode, by its goal (`[G]`) and gradient steps.
+pub type Surprise = fn(&[f64], u64) -> f64;
 
 /// A question about confidence.
 #[derive(Debug, PartialEq)]
@@ -31,8 +35,12 @@ pub struct ScriptedStudent {
     pub by_state: f64,
     /// Gradient steps taken.
     pub steps: u64,
-    /// Whether there is anything in the replay buffer.
+    /// Whether there are states and transitions in the replay buffer.
     pub has_replay: bool,
+    /// The episodes in the replay buffer, the oldest first.
+    pub remembered: Vec<Trajectory>,
+    /// How far off its values are: temporal-difference errors take turns in having this sign and the other.
+    pub surprise: Surprise,
     /// Goals at the end of a question that get no answer.
     pub unanswered: usize,
     /// The questions asked.
@@ -77,6 +85,8 @@ impl ScriptedStudent {
             by_state: 0.0,
             steps: 0,
             has_replay: false,
+            remembered: Vec::new(),
+            surprise: |goal, steps| (goal.iter().sum::<f64>() + steps as f64).sin(),
             unanswered: 0,
             asked: Vec::new(),
             replayed: Vec::new(),
@@ -123,6 +133,29 @@ impl Critic for ScriptedStudent {
         }
         self.replayed.push(states.clone());
         states
+    }
+
+    fn replay_achieved(&mut self, m: usize, rng: &mut Rng) -> Rows {
+        let mut goals = Rows::new(self.spec.goal);
+        for _ in 0..if self.remembered.is_empty() { 0 } else { m } {
+            let achieved = &self.remembered[rng.random_range(0..self.remembered.len())].achieved;
+            goals.push(achieved.row(rng.random_range(1..achieved.len())));
+        }
+        goals
+    }
+
+    fn replay_episodes(&self) -> usize {
+        self.remembered.len()
+    }
+
+    fn replay_trajectory(&self, age: usize) -> Option<Trajectory> {
+        self.remembered.iter().rev().nth(age).cloned()
+    }
+
+    fn td_errors(&mut self, trajectory: &Trajectory, _reward: &dyn Reward) -> Result<Vec<f64>, AgentError> {
+        let size = (self.surprise)(&trajectory.goal, self.steps);
+        let sign = |step: usize| if step.is_multiple_of(2) { size } else { -size };
+        Ok((0..trajectory.actions.len()).map(sign).collect())
     }
 
     /// The next actions are not to be used before they are labelled, so they are not numbers.

@@ -55,6 +55,7 @@ impl<'a> Watch<'a> {
             Stage::Storing,
             Stage::Learning,
             Stage::Teaching,
+            Stage::Probing,
         ]
         .map(seconds)
         .iter()
@@ -67,7 +68,7 @@ impl<'a> Watch<'a> {
             products: per_step(products),
             beside_products: per_step(seconds(Stage::Learning) - seconds(Stage::Sampling) - products),
             sampling: per_step(seconds(Stage::Sampling)),
-            teacher: per_step(seconds(Stage::Teaching)),
+            teacher: per_step(seconds(Stage::Teaching) + seconds(Stage::Probing)),
             evaluation: at_evaluations(seconds(Stage::Evaluating) / f64::from(self.evaluations)),
             checkpoint: at_evaluations(seconds(Stage::Saving)),
             rest: per_step(self.training.as_secs_f64() - told_apart),

@@ -15,11 +15,14 @@ pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
 use super::folder::Extent;
-use super::state::TrainerState;
+use super::state::{TrainerState, TrainingState};
 use crate::error::HarnessError;
 use crate::files::new_file;
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 4, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 5, what: "a checkpoint" };
+
+/// The version before, of programs without probe rollouts: their policies can still be used.
+const EARLIER: Seal = Seal { version: 4, ..SEAL };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]
@@ -30,6 +33,25 @@ pub struct Checkpoint {
     pub trainer: TrainerState,
     /// How far the records had come.
     pub progress: Extent,
+}
+
+/// The same as [`EARLIER`] programs wrote it.
+#[derive(Deserialize)]
+struct EarlierCheckpoint {
+    run: String,
+    trainer: TrainingState,
+    progress: Extent,
+}
+
+/// The checkpoint that `bytes` are.
+fn open(bytes: &[u8]) -> Result<Checkpoint, SealError> {
+    match SEAL.open(bytes) {
+        Err(SealError::Version { found, .. }) if found == EARLIER.version => {
+            let EarlierCheckpoint { run, trainer, progress } = EARLIER.open(bytes)?;
+            Ok(Checkpoint { run, trainer: trainer.into(), progress })
+        }
+        opened => opened,
+    }
 }
 
 /// Why a checkpoint cannot be used.
@@ -102,7 +124,7 @@ pub fn read(folder: &Path, manifest: &Manifest) -> Result<Option<Checkpoint>, Ch
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(CheckpointError::Io { path, action: "read this checkpoint", source }),
     };
-    let checkpoint: Checkpoint = match SEAL.open(&bytes) {
+    let checkpoint: Checkpoint = match open(&bytes) {
         Ok(checkpoint) => checkpoint,
         Err(source @ SealError::Version { .. }) => return Err(CheckpointError::Version { path, source }),
         Err(error) => return Err(CheckpointError::Damaged { path, reason: error.to_string() }),
@@ -114,4 +136,36 @@ pub fn read(folder: &Path, manifest: &Manifest) -> Result<Option<Checkpoint>, Ch
         });
     }
     Ok(Some(checkpoint))
+}
+
+#[cfg(test)]
+mod tests {
+    use reports::schema::Teaching;
+
+    use super::*;
+    use crate::config::streams::{StreamSeeds, Streams};
+
+    #[test]
+    fn checkpoints_of_programs_without_probe_rollouts_are_still_read() {
+        let training = TrainingState {
+            step: 200,
+            evaluations: 3,
+            streams: Streams::new(&StreamSeeds::default(), 0),
+            teaching: Teaching::default(),
+            ranks: Default::default(),
+            student: vec![1, 2],
+            teacher: Vec::new(),
+        };
+        let bytes = EARLIER.close(&("hash", &training, &Extent::default()));
+        let read = open(&bytes).expect("a checkpoint of version 4");
+        assert_eq!(
+            (read.run.as_str(), read.trainer.step(), read.trainer.training_steps()),
+            ("hash", 200, 200)
+        );
+        assert_eq!(read.trainer.student(), [1, 2]);
+        let again = open(&SEAL.close(&read)).expect("what this program writes");
+        assert_eq!(again.trainer.step(), 200);
+        let unknown = Seal { version: 3, ..SEAL }.close(&0u8);
+        assert!(matches!(open(&unknown), Err(SealError::Version { found: 3, own: 5, .. })));
+    }
 }

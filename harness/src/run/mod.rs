@@ -9,5 +9,6 @@ pub mod manifest;
 pub mod observer;
 pub mod picks;
 pub mod policy;
+mod probing;
 pub mod state;
 pub mod train;

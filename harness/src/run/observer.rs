@@ -25,6 +25,8 @@ pub enum Stage {
     Storing,
     /// The teacher proposes goals, observes episodes and learns: the price of the curriculum.
     Teaching,
+    /// Probe rollouts that the teacher asked for: the rest of that price.
+    Probing,
     /// The student takes its gradient steps.
     Learning,
     /// The part of [`Learning`](Self::Learning) in which it draws batches, if the student reports it.
@@ -53,7 +55,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// A cycle is over, with its evaluation if one was due; `step` training steps are taken.
+    /// A turn is over, a cycle of training or some probe rollouts, with its evaluation if one was due; `step`
+    /// steps of the budget are taken.
     ///
     /// # Errors
     /// If the observer cannot go on; the run then ends.

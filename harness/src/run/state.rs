@@ -4,12 +4,20 @@ use reports::schema::Teaching;
 use serde::{Deserialize, Serialize};
 
 use super::picks::Ranks;
+use super::probing::ProbingState;
 use crate::config::streams::Streams;
 
-/// A run between two cycles, without the student's replay log. Environments need no state: a reset forgets
+/// A run between two turns, without the student's replay log. Environments need no state: a reset forgets
 /// all.
 #[derive(Serialize, Deserialize)]
 pub struct TrainerState {
+    pub(super) training: TrainingState,
+    pub(super) probing: ProbingState,
+}
+
+/// The training of a run.
+#[derive(Serialize, Deserialize)]
+pub struct TrainingState {
     pub(super) step: u64,
     pub(super) evaluations: u64,
     pub(super) streams: Streams,
@@ -24,11 +32,23 @@ pub struct TrainerState {
 impl TrainerState {
     /// The student, as [`agents::Agent::save`] gave it.
     pub fn student(&self) -> &[u8] {
-        &self.student
+        &self.training.student
     }
 
-    /// Training steps taken.
+    /// Steps of the budget that were taken.
     pub fn step(&self) -> u64 {
-        self.step
+        self.training.step
+    }
+
+    /// Those of them that the student was trained on.
+    pub fn training_steps(&self) -> u64 {
+        self.training.step - self.probing.charged()
+    }
+}
+
+impl From<TrainingState> for TrainerState {
+    /// A run without probe rollouts.
+    fn from(training: TrainingState) -> Self {
+        Self { training, probing: ProbingState::default() }
     }
 }

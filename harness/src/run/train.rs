@@ -1,5 +1,5 @@
-//! The training loop: episodes towards the teacher's goals, learning after each cycle, evaluations in
-//! between.
+//! The training loop, turn by turn: a cycle of episodes towards the teacher's goals and the learning from
+//! them, or some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,8 @@ use super::error::RunError;
 use super::evaluate::{LOCKSTEP, evaluate};
 use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
-use super::state::TrainerState;
+use super::probing::{Played, Probing};
+use super::state::{TrainerState, TrainingState};
 use crate::Registry;
 use crate::config::streams::Streams;
 use crate::config::{EvaluationGoals, RunConfig};
@@ -44,6 +45,10 @@ pub struct Trainer {
     /// The goals of evaluations, where they come from a pool.
     evaluation_pool: Option<Arc<Goals>>,
     streams: Streams,
+    probing: Probing,
+    /// Whether the probe rollouts that the teacher asks for are played.
+    plays_rollouts: bool,
+    /// Steps of the budget that were taken.
     step: u64,
     evaluations: u64,
     /// Training episodes since the last evaluation.
@@ -92,6 +97,8 @@ impl Trainer {
             agent: agents::registry::make(&config.student, &spec, seeds.of(key.seed, Purpose::Weights))?,
             curriculum: method.build(own, &setting)?,
             streams: Streams::new(&seeds, key.seed),
+            probing: Probing::new(entry.make(&options)?, key.seed, seeds),
+            plays_rollouts: true,
             env,
             evaluation_envs,
             pool,
@@ -105,9 +112,15 @@ impl Trainer {
         })
     }
 
-    /// Training steps taken so far.
+    /// Steps of the budget that were taken so far.
     pub fn step(&self) -> u64 {
         self.step
+    }
+
+    /// The same run without the probe rollouts that its teacher asks for: what a cycle of training takes.
+    #[must_use]
+    pub fn without_rollouts(self) -> Self {
+        Self { plays_rollouts: false, ..self }
     }
 
     /// Takes up the state of an earlier process. Going on from there gives the same bytes as never having
@@ -116,18 +129,20 @@ impl Trainer {
     /// # Errors
     /// [`RunError`] if student or teacher refuse their state.
     pub fn resume(&mut self, state: &TrainerState, replay: &Path) -> Result<(), RunError> {
-        self.agent.load(&state.student, replay)?;
-        self.curriculum.load(&state.teacher)?;
-        self.streams = state.streams.clone();
-        self.step = state.step;
-        self.evaluations = state.evaluations;
-        self.teaching = state.teaching.clone();
-        self.ranks = state.ranks;
+        let TrainerState { training, probing } = state;
+        self.agent.load(&training.student, replay)?;
+        self.curriculum.load(&training.teacher)?;
+        self.streams = training.streams.clone();
+        self.step = training.step;
+        self.evaluations = training.evaluations;
+        self.teaching = training.teaching.clone();
+        self.ranks = training.ranks;
+        self.probing.resume(probing.clone());
         Ok(())
     }
 
     fn state(&mut self, replay: &Path) -> Result<TrainerState, RunError> {
-        Ok(TrainerState {
+        let training = TrainingState {
             step: self.step,
             evaluations: self.evaluations,
             streams: self.streams.clone(),
@@ -139,7 +154,8 @@ impl Trainer {
                 error => error.into(),
             })?,
             teacher: self.curriculum.save()?,
-        })
+        };
+        Ok(TrainerState { training, probing: self.probing.state().clone() })
     }
 
     /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained
@@ -153,7 +169,11 @@ impl Trainer {
         }
         while self.step < self.config.budget.steps {
             let reached = self.step / self.config.evaluation.every;
-            self.cycle(observer)?;
+            if self.probing.is_pending() {
+                self.probe(observer)?;
+            } else {
+                self.cycle(observer)?;
+            }
             let due =
                 self.step / self.config.evaluation.every > reached || self.step >= self.config.budget.steps;
             if due {
@@ -167,7 +187,7 @@ impl Trainer {
         Ok(End::Finished)
     }
 
-    /// Lets the observer's checkpointer, if there is one, decide after a cycle, and gives it what it wishes
+    /// Lets the observer's checkpointer, if there is one, decide after a turn, and gives it what it wishes
     /// to save.
     fn save_if_wished(&mut self, observer: &mut dyn Observer, evaluated: bool) -> Result<Wish, RunError> {
         let Some(checkpointer) = observer.checkpointer() else { return Ok(Wish::GoOn) };
@@ -201,10 +221,28 @@ impl Trainer {
         if self.agent.gradient_steps() > before.0 {
             self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
         }
+        let request = self.curriculum.request_rollouts(self.env.as_mut(), &mut self.streams.teacher)?;
+        if let Some(request) = request.filter(|_| self.plays_rollouts) {
+            self.probing.ask(request);
+        }
         observer.spent(Stage::Teaching, laps.lap());
         if let (Some(before), Some(after)) = (before.1, self.agent.sampling_time()) {
             observer.spent(Stage::Sampling, after - before);
         }
+        Ok(())
+    }
+
+    /// As many of the probe rollouts that are pending as a cycle has episodes, so that evaluations lie on the
+    /// same steps as those of other curricula.
+    fn probe(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let mut laps = Laps::begin();
+        let episodes = self.agent.episodes_per_cycle();
+        let Played { charged, complete } = self.probing.play(self.agent.as_mut(), episodes)?;
+        self.step += charged;
+        if let Some(rollouts) = complete {
+            self.curriculum.hear_rollouts(&rollouts)?;
+        }
+        observer.spent(Stage::Probing, laps.lap());
         Ok(())
     }
 
@@ -280,6 +318,8 @@ impl Trainer {
             any_success_rate: Some(score.any_success_rate),
             mean_return: score.mean_return,
             gradient_steps: self.agent.gradient_steps(),
+            probe_steps: self.probing.state().steps,
+            uncharged_steps: self.probing.state().uncharged,
             // JSON has no form for numbers that are not finite. They become null, which means "not defined
             // yet".
             teacher: statistics

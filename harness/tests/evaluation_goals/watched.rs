@@ -2,8 +2,11 @@
 
 use std::cell::Cell;
 
-use agents::{AgentError, Batch, Critic, Episode, Network};
-use curricula::{Configured, Curriculum, CurriculumError, Entry, Lesson, Proposal, Setting, TeacherSummary};
+use agents::{AgentError, Batch, Critic, Episode, Network, Trajectory};
+use curricula::{
+    Configured, Curriculum, CurriculumError, Entry, Lesson, Proposal, RolloutRequest, Rollouts, Setting,
+    TeacherSummary,
+};
 use envs::rng::Rng;
 use envs::{GoalSource, Reward, Rows, Spec};
 use toml::Table;
@@ -90,6 +93,19 @@ impl Curriculum for Watched {
         self.0.learn(&mut WatchedStudent(student), reward, rng)
     }
 
+    fn request_rollouts(
+        &mut self,
+        goals: &mut dyn GoalSource,
+        rng: &mut Rng,
+    ) -> Result<Option<RolloutRequest>, CurriculumError> {
+        self.0.request_rollouts(&mut WatchedGoals(goals), rng)
+    }
+
+    fn hear_rollouts(&mut self, rollouts: &Rollouts) -> Result<(), CurriculumError> {
+        note_all(rollouts.goals.as_slice());
+        self.0.hear_rollouts(rollouts)
+    }
+
     fn summary(&self) -> TeacherSummary<'_> {
         self.0.summary()
     }
@@ -131,6 +147,28 @@ impl Critic for WatchedStudent<'_> {
         let states = self.0.replay_states(m, rng);
         note_all(states.as_slice());
         states
+    }
+
+    fn replay_achieved(&mut self, m: usize, rng: &mut Rng) -> Rows {
+        let goals = self.0.replay_achieved(m, rng);
+        note_all(goals.as_slice());
+        goals
+    }
+
+    fn replay_episodes(&self) -> usize {
+        self.0.replay_episodes()
+    }
+
+    fn replay_trajectory(&self, age: usize) -> Option<Trajectory> {
+        let trajectory = self.0.replay_trajectory(age);
+        if let Some(Trajectory { states, achieved, goal, .. }) = &trajectory {
+            [states.as_slice(), achieved.as_slice(), goal].into_iter().for_each(note_all);
+        }
+        trajectory
+    }
+
+    fn td_errors(&mut self, trajectory: &Trajectory, reward: &dyn Reward) -> Result<Vec<f64>, AgentError> {
+        self.0.td_errors(trajectory, reward)
     }
 
     fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {

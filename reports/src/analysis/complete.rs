@@ -161,6 +161,8 @@ mod tests {
             any_success_rate: None,
             mean_return: -1.0,
             gradient_steps: 4 * index,
+            probe_steps: 0,
+            uncharged_steps: 0,
             teacher: Map::from_iter([("entropy".to_owned(), index.into())]),
         };
         let records = (0..).zip(rates).map(record).collect();

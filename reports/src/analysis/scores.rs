@@ -115,6 +115,8 @@ mod tests {
             any_success_rate: None,
             mean_return: -1.0,
             gradient_steps: 0,
+            probe_steps: 0,
+            uncharged_steps: 0,
             teacher: serde_json::Map::new(),
         };
         points.iter().enumerate().map(record).collect()

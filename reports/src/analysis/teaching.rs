@@ -76,6 +76,8 @@ mod tests {
             any_success_rate: None,
             mean_return: -1.0,
             gradient_steps: 0,
+            probe_steps: 0,
+            uncharged_steps: 0,
             teacher: Map::from_iter([("picked_goals".to_owned(), value)]),
         };
         let values = [json!(900), json!(10), json!(null), json!(14.5), json!(11.5)];

@@ -38,7 +38,8 @@ pub struct Record {
     pub variant: String,
     /// Run seed.
     pub seed: u64,
-    /// Training steps taken in the environment (evaluation steps are not counted).
+    /// Steps of the budget that were taken: training steps, and those of probe rollouts that are charged
+    /// (evaluation steps are not counted).
     pub step: u64,
     /// Index of the evaluation; 0 is the untrained student.
     pub eval_index: u64,
@@ -54,8 +55,28 @@ pub struct Record {
     pub mean_return: f64,
     /// Gradient steps taken by the student.
     pub gradient_steps: u64,
+    /// Steps taken in probe rollouts that the teacher asked for; absent from the file where there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub probe_steps: u64,
+    /// Those of them that are not charged to the budget, so that [`step`](Self::step) does not count them;
+    /// likewise.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub uncharged_steps: u64,
     /// Numbers about the teacher, by name; `null` where a number is not defined yet.
     pub teacher: Map<String, Value>,
+}
+
+impl Record {
+    /// All steps taken in the environment, training and probe rollouts, charged or not; those of evaluations
+    /// are not counted.
+    pub fn all_steps(&self) -> u64 {
+        self.step + self.uncharged_steps
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// What the teacher did since the evaluation before: a line of `teaching.jsonl`. Nothing in it depends on the
@@ -143,8 +164,8 @@ pub struct Timing {
     pub wall_s: f64,
     /// Seconds of it spent in evaluations.
     pub evaluation_s: f64,
-    /// Seconds of it spent in the teacher: proposing, observing and learning; `None` in files older than the
-    /// field.
+    /// Seconds of it spent in the teacher: proposing, observing and learning, and the probe rollouts that it
+    /// asked for; `None` in files older than the field.
     #[serde(default)]
     pub teacher_s: Option<f64>,
     /// Seconds of it spent in the student's gradient steps; `None` in files older than the field.

@@ -204,6 +204,8 @@ impl Experiment {
                 any_success_rate: Some((successes + left as f64) / self.episodes as f64),
                 mean_return: -50.0 * (1.0 - 0.8 * success_rate),
                 gradient_steps: step * 2 / 5,
+                probe_steps: 0,
+                uncharged_steps: 0,
                 teacher: numbers(&run.curriculum, eval_index, rng),
             });
             timings.push(timing(&run.curriculum, eval_index, step));

@@ -108,6 +108,8 @@ pub(crate) fn run(key: RunKey, config: Value, rates: &[f64]) -> Run {
         any_success_rate: None,
         mean_return: -50.0,
         gradient_steps: 400 * index,
+        probe_steps: 0,
+        uncharged_steps: 0,
         teacher: Map::new(),
     };
     let records: Vec<Record> = (0..).zip(rates).map(record).collect();

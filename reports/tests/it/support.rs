@@ -104,6 +104,8 @@ pub(crate) fn record(run: &RunKey, eval_index: u64, success_rate: f64) -> Record
         any_success_rate: Some((success_rate + 0.05).min(1.0)),
         mean_return: -50.0,
         gradient_steps: 400 * eval_index,
+        probe_steps: 0,
+        uncharged_steps: 0,
         teacher: Map::from_iter([
             ("entropy".to_owned(), json!(eval_index)),
             ("undefined".to_owned(), json!(null)),

@@ -11,6 +11,9 @@ use crate::registry::Entry;
 /// Goals in the pools of these tests.
 const GOALS: usize = 12;
 
+/// Cycles after which a teacher that asks for probe rollouts by default has done so.
+const ENOUGH_CYCLES: usize = 60;
+
 /// Checks that a method keeps what the harness takes for granted:
 ///
 /// - its row is in order: the id is lower case with hyphens, title and source are there;
@@ -50,7 +53,9 @@ pub fn contract(entry: &Entry) {
 /// - its weights are a distribution over the pool, and the numbers `entropy` and `effective_goals`, if it
 ///   records them, are those of its weights;
 /// - its numbers keep their names, which are in snake case, and their order;
-/// - saved and loaded, it continues as one that was not, whether that is in the middle of a cycle or not;
+/// - the probe rollouts that it asks for are of goals of the task, at least one episode each;
+/// - saved and loaded, it continues as one that was not, whether that is in the middle of a cycle or not, or
+///   while probe rollouts are still to be played;
 /// - it refuses bytes that are damaged, cut short, another method's or another pool's, and then goes on
 ///   undisturbed.
 ///
@@ -67,11 +72,13 @@ pub fn contract_with(entry: &Entry, config: &str) {
     teaching::is_repeatable(subject);
     teaching::uses_the_pool_as_it_says(subject);
     teaching::leaves_the_environment_alone(subject);
+    teaching::asks_for_rollouts_that_can_be_played(subject);
     teaching::tells_weights_that_are_a_distribution(subject);
     teaching::tells_the_same_numbers_in_the_same_order(subject);
     // After a single episode an evaluation may be overdue; after an odd number a set's turns are under way.
     saving::continues_identically(subject, &[1]);
     saving::continues_identically(subject, &[2, 2, 2, 2, 2, 2, 3]);
+    saving::continues_identically_while_rollouts_are_pending(subject);
     saving::refuses_what_it_did_not_save(subject);
     saving::refuses_the_state_of_another_pool(subject);
 }
@@ -86,8 +93,10 @@ struct Subject<'a> {
 impl Subject<'_> {
     /// A class over a pool of so many goals.
     fn class(self, goals: usize) -> Class {
-        Class::with(self.entry, self.config, goals, restless)
-            .unwrap_or_else(|error| panic!("{self}: {error}"))
+        let class = Class::with(self.entry, self.config, goals, restless);
+        let mut class = class.unwrap_or_else(|error| panic!("{self}: {error}"));
+        class.mastery = unsteady;
+        class
     }
 }
 
@@ -101,6 +110,11 @@ impl std::fmt::Display for Subject<'_> {
 /// Confidence that moves, for each goal in its own way, and stays within the bounds.
 fn restless(goal: usize, steps: u64) -> f64 {
     0.5 * LOWEST * (1.0 + (goal as f64 * 1.3 + steps as f64 * 0.7 * (1.0 + goal as f64 / 9.0)).sin())
+}
+
+/// Chances of success that change, for each goal in its own way.
+fn unsteady(goal: &[f64], steps: u64) -> f64 {
+    0.5 * (1.0 + (3.0 * goal.iter().sum::<f64>() + 0.4 * steps as f64).sin())
 }
 
 /// `n` cycles of two episodes each.

@@ -1,6 +1,6 @@
 //! What is left of a method when a run is interrupted.
 
-use super::{GOALS, Subject, cycle, proposals};
+use super::{ENOUGH_CYCLES, GOALS, Subject, cycle, proposals};
 use crate::error::CurriculumError;
 use crate::snapshot;
 use crate::testing::Class;
@@ -29,6 +29,29 @@ pub(super) fn continues_identically(subject: Subject<'_>, before: &[usize]) {
     assert_eq!(resumed.teacher.summary().weights, straight.teacher.summary().weights, "{name}");
     assert_eq!(proposals(&mut resumed, 8), proposals(&mut straight, 8), "{name}");
     assert!(saved(&resumed) == saved(&straight), "{name}: the state is another");
+}
+
+/// Saved once it has asked for probe rollouts, before it hears of them; as long as it asks for none, it is
+/// not tested here.
+pub(super) fn continues_identically_while_rollouts_are_pending(subject: Subject<'_>) {
+    let asked = || {
+        let mut class = subject.class(GOALS);
+        for _ in 0..ENOUGH_CYCLES {
+            (0..2).for_each(|_| drop(class.propose().expect("a proposal")));
+            class.learn_alone();
+            if let Some(request) = class.request() {
+                return Some((class, request));
+            }
+        }
+        None
+    };
+    let (Some((mut straight, request)), Some((mut resumed, same))) = (asked(), asked()) else { return };
+    assert_eq!(request, same, "{subject}: the same seed");
+    resumed.teacher = subject.class(GOALS).teacher;
+    resumed.teacher.load(&saved(&straight)).unwrap_or_else(|error| panic!("{subject}: {error}"));
+    [&mut straight, &mut resumed].into_iter().for_each(|class| class.play(&request));
+    assert_eq!(proposals(&mut resumed, 8), proposals(&mut straight, 8), "{subject}, with rollouts pending");
+    assert!(saved(&resumed) == saved(&straight), "{subject}, with rollouts pending: the state is another");
 }
 
 pub(super) fn refuses_what_it_did_not_save(subject: Subject<'_>) {

@@ -2,7 +2,7 @@
 
 use envs::GoalEnv;
 
-use super::{GOALS, Subject, proposals, restless};
+use super::{ENOUGH_CYCLES, GOALS, Subject, proposals, restless, unsteady};
 use crate::curriculum::{Proposal, ProposedGoal};
 use crate::registry::Entry;
 use crate::testing::Class;
@@ -23,6 +23,7 @@ pub(super) fn chooses_the_only_goal_of_a_pool(entry: &Entry) {
 pub(super) fn stays_in_the_goal_space(entry: &Entry) {
     for environment in ["Point", "MazeA", "MazeB", "MazeC", "FetchReach"] {
         let mut class = Class::on(environment, entry, "", GOALS, restless).expect("valid defaults");
+        class.mastery = unsteady;
         for _ in 0..30 {
             let goal = class.propose_goal();
             let inside = in_goal_space(&*class.env, &goal);
@@ -61,6 +62,18 @@ pub(super) fn uses_the_pool_as_it_says(subject: Subject<'_>) {
     for Proposal { goal, .. } in proposals(&mut subject.class(GOALS), 5) {
         let from_pool = matches!(goal, ProposedGoal::Pool(index) if index < GOALS);
         assert_eq!(from_pool, subject.entry.uses_pool, "{subject}: {goal:?}");
+    }
+}
+
+pub(super) fn asks_for_rollouts_that_can_be_played(subject: Subject<'_>) {
+    let mut class = subject.class(GOALS);
+    for _ in 0..ENOUGH_CYCLES {
+        (0..2).for_each(|_| drop(class.propose().expect("a proposal")));
+        class.learn_alone();
+        let Some(request) = class.request() else { continue };
+        assert!(request.all_episodes() > 0, "{subject}: asks for rollouts and for none");
+        assert!(request.goals.iter().all(|goal| in_goal_space(&*class.env, goal)), "{subject}: {request:?}");
+        class.play(&request);
     }
 }
 

@@ -50,9 +50,9 @@ pub fn check(folder: &Path) -> Result<Sound, HarnessError> {
     match &checkpoint {
         Some(checkpoint) if !is_finished => {
             checkpoint.progress.check(&run)?;
-            let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.step());
+            let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.training_steps());
             // A run that only lacks its end needs no replay buffer any more, and may have lost it.
-            if steps < config.budget.steps {
+            if checkpoint.trainer.step() < config.budget.steps {
                 agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
                     .map_err(HarnessError::unusable(folder.display(), "go on from this run's checkpoint"))?;
             }

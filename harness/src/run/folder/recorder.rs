@@ -186,7 +186,7 @@ impl Recorder {
     /// Notes that the run spent `time` in `stage`, if that is recorded.
     pub fn spent(&mut self, stage: Stage, time: Duration) {
         let sum = match stage {
-            Stage::Teaching => &mut self.spent.teacher,
+            Stage::Teaching | Stage::Probing => &mut self.spent.teacher,
             Stage::Learning => &mut self.spent.learning,
             Stage::Evaluating => &mut self.spent.evaluation,
             _ => return,
