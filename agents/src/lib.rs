@@ -2,7 +2,7 @@
 //!
 //! [`Agent`] is the trait that the harness trains through, [`Critic`] its read-only side that teachers see.
 //! [`make`] builds the agent that a [`StudentConfig`] names from the table [`registry::AGENTS`]. Teachers
-//! that learn values of their own have [`Ensemble`].
+//! that learn values of their own have [`Ensemble`]. Students of one shape can learn in lockstep: [`Cohort`].
 //!
 //! One cycle of training, as the harness does it:
 //!
@@ -49,6 +49,7 @@ mod agent;
 mod auto;
 mod batch;
 mod checks;
+mod cohort;
 mod config;
 mod ddpg;
 mod device;
@@ -73,6 +74,7 @@ mod value;
 pub use agent::{Agent, Critic, Mode, Network};
 pub use auto::Auto;
 pub use batch::Batch;
+pub use cohort::{Cohort, CohortLane};
 pub use config::{PolyakEvery, Preset, StudentConfig};
 pub use device::Device;
 pub use diagnosis::{Diagnosis, DryStep};
@@ -84,7 +86,7 @@ pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
 pub use precision::Precision;
 pub use products::{ProductRates, Products};
-pub use registry::{check_replay, make};
+pub use registry::{check_replay, make, make_cohort};
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};
 pub use seal::{Seal, SealError};

@@ -55,6 +55,41 @@ fn action_penalty_slope(action: f32, action_l2: f32, components: f32) -> f32 {
     2.0 * action_l2 * action / components
 }
 
+/// A part of a loss, or all of it.
+#[derive(Debug)]
+pub(crate) enum Loss {
+    /// Summed over the learners: on the CPU, where a number costs no wait.
+    Known(f64),
+    /// One number per learner, `[E]`, on a device that may not have computed it yet.
+    Awaited(Tensor),
+}
+
+impl Loss {
+    /// This part and `other`.
+    pub(crate) fn plus(self, other: Self) -> Result<Self, TchError> {
+        Ok(match (self, other) {
+            (Self::Known(a), Self::Known(b)) => Self::Known(a + b),
+            (Self::Awaited(a), Self::Awaited(b)) => Self::Awaited(a.f_add(&b)?),
+            (Self::Awaited(_), Self::Known(_)) | (Self::Known(_), Self::Awaited(_)) => {
+                unreachable!("parts of one loss lie in one place")
+            }
+        })
+    }
+
+    /// Every learner's number once the device has computed it; on the CPU the sum over all learners.
+    pub(crate) fn read(&self) -> Result<Vec<f64>, TchError> {
+        match self {
+            Self::Known(number) => Ok(vec![*number]),
+            Self::Awaited(numbers) => Vec::try_from(numbers.f_to_kind(Kind::Double)?),
+        }
+    }
+
+    /// The sum over all learners, which a device is waited for.
+    pub(crate) fn total(&self) -> Result<f64, TchError> {
+        Ok(self.read()?.iter().sum())
+    }
+}
+
 /// Writes the targets y of transitions with `rewards` and `next_values` into `targets`; all are `[E, rows,
 /// 1]`.
 pub(crate) fn write_targets(
@@ -81,12 +116,17 @@ pub(crate) fn write_targets(
 }
 
 /// Writes the slope of mean (Q − y)² in Q into `slope` (`[E, rows, 1]` all) and returns these rows' part of
-/// the loss, summed over the learners.
-pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
+/// the loss.
+pub(crate) fn critic_part(
+    values: &Views,
+    targets: &Views,
+    n: usize,
+    slope: &Views,
+) -> Result<Loss, TchError> {
     if !values.on_cpu {
         let error = values.whole.f_sub(&targets.whole)?;
         let _ = error.f_mul_scalar_out(&slope.whole, 2.0 / n as f64)?;
-        return Ok(sum(&error.f_square()?)? / n as f64);
+        return awaited(&error.f_square()?, 1.0 / n as f64);
     }
     let (count, mut loss) = (n as f32, 0.0);
     for ((q, y), slope) in values.members.iter().zip(&targets.members).zip(&slope.members) {
@@ -97,12 +137,12 @@ pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Vie
             }
         });
     }
-    Ok(loss)
+    Ok(Loss::Known(loss))
 }
 
 /// Writes the slope of −mean Q in Q, −1/n, into `slope` (`[E, rows, 1]` both) and returns these rows' part of
-/// −mean Q, summed over the learners.
-pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
+/// −mean Q.
+pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<Loss, TchError> {
     if slope.on_cpu {
         for slope in &slope.members {
             with_slices([slope], [], |[slope], []| slope.fill(-1.0 / n as f32));
@@ -110,32 +150,35 @@ pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64,
     } else {
         let _ = slope.whole.shallow_clone().f_fill_(-1.0 / n as f64)?;
     }
-    Ok(-mean_part(values, n)?)
+    Ok(match mean_part(values, n)? {
+        Loss::Known(mean) => Loss::Known(-mean),
+        Loss::Awaited(means) => Loss::Awaited(means.f_neg()?),
+    })
 }
 
-/// These rows' part of mean Q (`[E, rows, 1]`), summed over the learners.
-pub(crate) fn mean_part(values: &Views, n: usize) -> Result<f64, TchError> {
+/// These rows' part of mean Q (`[E, rows, 1]`).
+pub(crate) fn mean_part(values: &Views, n: usize) -> Result<Loss, TchError> {
     if !values.on_cpu {
-        return Ok(sum(&values.whole)? / n as f64);
+        return awaited(&values.whole, 1.0 / n as f64);
     }
     let total = |[values]: [&[f32]; 1]| values.iter().map(|&q| f64::from(q)).sum::<f64>();
     let totals = values.members.iter().map(|values| with_slices([], [values], |[], read| total(read)));
-    Ok(totals.map(|total| total / n as f64).sum())
+    Ok(Loss::Known(totals.map(|total| total / n as f64).sum()))
 }
 
 /// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean
-/// π², summed over the learners.
+/// π².
 pub(crate) fn penalty_part(
     actions: &Views,
     action_l2: f64,
     n: usize,
     slope: &Views,
-) -> Result<f64, TchError> {
+) -> Result<Loss, TchError> {
     let components = (n as i64 * actions.whole.size()[1]) as f64;
     if !actions.on_cpu {
         let own = actions.whole.f_mul_scalar(2.0 * action_l2 / components)?;
         let _ = slope.whole.f_add_out(&slope.whole, &own)?;
-        return Ok(sum(&actions.whole.f_square()?)? * action_l2 / components);
+        return awaited(&actions.whole.f_square()?, action_l2 / components);
     }
     let (action_l2, components, mut loss) = (action_l2 as f32, components as f32, 0.0);
     for (actions, slope) in actions.members.iter().zip(&slope.members) {
@@ -146,11 +189,13 @@ pub(crate) fn penalty_part(
             }
         });
     }
-    Ok(loss)
+    Ok(Loss::Known(loss))
 }
 
-fn sum(tensor: &Tensor) -> Result<f64, TchError> {
-    tensor.f_sum(Kind::Float)?.f_double_value(&[])
+/// The sum over every learner's matrix in `terms` (`[E, rows, columns]`) times `weight`.
+fn awaited(terms: &Tensor, weight: f64) -> Result<Loss, TchError> {
+    let sums = terms.f_sum_dim_intlist(&[1i64, 2][..], false, Kind::Float)?;
+    Ok(Loss::Awaited(sums.f_mul_scalar(weight)?))
 }
 
 #[cfg(test)]
@@ -216,17 +261,19 @@ mod tests {
 
             let values = column([-0.5, -1.0, -4.0, 0.25]);
             let loss = critic_part(&values, &targets, 4, &slope).unwrap();
+            assert_eq!(loss.read().unwrap().len(), if looped { 1 } else { 2 });
+            let loss = loss.total().unwrap();
             assert!((loss - (4.0 + 1.0 + 0.0 + 1.0) / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[1.0, -0.5, 0.0, 0.5]);
 
-            let loss = value_part(&values, 4, &slope).unwrap();
+            let loss = value_part(&values, 4, &slope).unwrap().total().unwrap();
             assert!((loss - 5.25 / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[-0.25; 4]);
 
             // Three components in two rows.
             let numbers = [1.0, -0.5, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0];
             let (actions, slope) = (views([3, 2], &numbers, looped), views([3, 2], &[1.0; 12], looped));
-            let loss = penalty_part(&actions, 3.0, 4, &slope).unwrap();
+            let loss = penalty_part(&actions, 3.0, 4, &slope).unwrap().total().unwrap();
             assert!((loss - 3.0 * 2.5 / 12.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[1.5, 0.75, 1.0, 1.25, 1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 1.0, 1.0]);
         }
