@@ -20,8 +20,8 @@ pub struct CohortLane<'a> {
 /// answers, is diagnosed, saved and loaded, and may leave or come between any two cycles. A student never
 /// depends on who its neighbours are.
 ///
-/// On the CPU every student learns as it would alone, to the byte, and the students of a cycle share the
-/// calling thread's pool of threads (rayon's). On a GPU their matrices are multiplied in batches, one product
+/// On the CPU every student learns as it would alone, to the byte, side by side with the others on the rayon
+/// pool that the calling thread belongs to, if it belongs to one. On a GPU their matrices are multiplied in batches, one product
 /// for all, while the pool draws the transitions of the coming gradient steps. There the cohort has a fixed
 /// width, whoever is missing, since the width decides in what order a product adds up: a student's bytes are
 /// the same in every cohort of that width.
@@ -58,7 +58,7 @@ pub struct CohortLane<'a> {
 /// let mut lanes: Vec<CohortLane<'_>> = lanes
 ///     .map(|(student, rng)| CohortLane { student: student.as_mut(), reward: env.as_ref(), rng })
 ///     .collect();
-/// for outcome in cohort.learn(&mut lanes)? {
+/// for outcome in cohort.learn(&mut lanes) {
 ///     outcome?;
 /// }
 /// assert_eq!(students.map(|student| student.gradient_steps()), [2, 2]);
@@ -67,13 +67,11 @@ pub struct CohortLane<'a> {
 /// ```
 pub trait Cohort: Send {
     /// One cycle's learning of every lane, as [`Agent::learn`]. What became of each is told in order; one that
-    /// diverged has disturbed no other. Nothing waits for a GPU within the cycle.
-    ///
-    /// # Errors
-    /// [`AgentError::Torch`] if libtorch refuses what is done for all at once.
+    /// diverged has disturbed no other; what libtorch refuses to do for all at once concerns all. Nothing waits
+    /// for a GPU within the cycle.
     ///
     /// # Panics
     /// If the students are not of the kind that the cohort was made for, or differ in more than
     /// [`StudentConfig::in_lockstep`](crate::StudentConfig::in_lockstep) allows.
-    fn learn(&mut self, lanes: &mut [CohortLane<'_>]) -> Result<Vec<Result<(), AgentError>>, AgentError>;
+    fn learn(&mut self, lanes: &mut [CohortLane<'_>]) -> Vec<Result<(), AgentError>>;
 }

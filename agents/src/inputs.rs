@@ -1,6 +1,5 @@
 //! From raw transitions to normalised network inputs.
 
-use rayon::prelude::*;
 use tch::{Cuda, Device, Kind, TchError, Tensor};
 
 use crate::batch::{Batch, Dims};
@@ -8,6 +7,7 @@ use crate::device::in_reach;
 use crate::error::AgentError;
 use crate::networks::{Block, copy, with_slices};
 use crate::normalizer::Normalizer;
+use crate::pool::side_by_side;
 use crate::precision::{Arithmetic, Precision};
 
 /// The normalisers of what networks see besides actions.
@@ -198,16 +198,15 @@ impl TransitionInputs {
     }
 
     /// Lets `fill` write the transitions of each of `learners`, the first ones of the stack, for gradient step
-    /// `step` of a cycle, and sends them. Where the networks lie elsewhere, learners are filled side by side,
-    /// while the device may still be busy with the steps before.
+    /// `step` of a cycle, and sends them. It is called for all of them side by side, while another device may
+    /// still be busy with the steps before.
     pub(crate) fn fill_each<T: Send>(
         &mut self,
         step: usize,
         learners: &mut [T],
         fill: impl Fn(&mut T, &mut TransitionRows<'_>) + Sync,
     ) -> Result<(), TchError> {
-        let is_far = !in_reach(self.device);
-        let slot = if is_far { step % MOST_SLOTS } else { 0 };
+        let slot = if in_reach(self.device) { 0 } else { step % MOST_SLOTS };
         if let (Device::Cuda(index), true) = (self.device, step > 0 && slot == 0) {
             Cuda::synchronize(index as i64);
         }
@@ -217,18 +216,12 @@ impl TransitionInputs {
         let Self { current, next, rewards, .. } = self;
         let written = [&*current, next, rewards].map(|matrix| &matrix.hosts[slot]);
         with_slices(written, [], |[current, next, rewards], []| {
-            let write = |(learner, ((current, next), rewards)): (&mut T, Sides<'_>)| {
-                fill(learner, &mut TransitionRows { current, next, rewards });
-            };
-            if is_far {
-                let sides = current.par_chunks_exact_mut(width).zip(next.par_chunks_exact_mut(width));
-                let all = sides.zip(rewards.par_chunks_exact_mut(rows));
-                learners.par_iter_mut().zip(all).for_each(write);
-            } else {
-                let sides = current.chunks_exact_mut(width).zip(next.chunks_exact_mut(width));
-                let all = sides.zip(rewards.chunks_exact_mut(rows));
-                learners.iter_mut().zip(all).for_each(write);
-            }
+            let sides = current.chunks_exact_mut(width).zip(next.chunks_exact_mut(width));
+            let places = sides.zip(rewards.chunks_exact_mut(rows));
+            let places = places.map(|((current, next), rewards)| TransitionRows { current, next, rewards });
+            side_by_side(learners.iter_mut().zip(places).collect(), |(learner, mut rows)| {
+                fill(learner, &mut rows);
+            });
         });
         [&self.current, &self.next, &self.rewards].into_iter().try_for_each(|matrix| matrix.send(slot))
     }
@@ -237,9 +230,6 @@ impl TransitionInputs {
 /// How many batches may lie ready for a device at most, each in a place of its own. With this many, a cycle of
 /// the default 40 gradient steps never waits for one of them to be free.
 const MOST_SLOTS: usize = 40;
-
-/// One learner's rows: ((s, g, a), (s', g, a')), r.
-type Sides<'a> = ((&'a mut [f32], &'a mut [f32]), &'a mut [f32]);
 
 /// Where the n transitions of one learner are written.
 #[derive(Debug)]

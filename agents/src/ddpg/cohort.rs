@@ -4,7 +4,7 @@ use std::any::Any;
 
 use envs::Reward;
 use envs::rng::Rng;
-use rayon::prelude::*;
+use tch::TchError;
 
 use super::Ddpg;
 use super::cycle::cycle;
@@ -13,6 +13,7 @@ use crate::batch::Dims;
 use crate::cohort::{Cohort, CohortLane};
 use crate::device::in_reach;
 use crate::error::AgentError;
+use crate::pool::side_by_side;
 
 /// See [`Cohort`].
 #[derive(Debug)]
@@ -41,13 +42,13 @@ impl DdpgCohort {
 }
 
 impl Cohort for DdpgCohort {
-    fn learn(&mut self, lanes: &mut [CohortLane<'_>]) -> Result<Vec<Result<(), AgentError>>, AgentError> {
+    fn learn(&mut self, lanes: &mut [CohortLane<'_>]) -> Vec<Result<(), AgentError>> {
         let pupils: Vec<Pupil<'_>> = lanes.iter_mut().map(pupil).collect();
         check_alike(&pupils);
-        let Some((first, ..)) = pupils.first() else { return Ok(Vec::new()) };
+        let Some((first, ..)) = pupils.first() else { return Vec::new() };
         if in_reach(first.arithmetic.device) {
             // Numbers of several students at once would only compete for the core's cache.
-            return Ok(pupils.into_par_iter().map(alone).collect());
+            return side_by_side(pupils, alone);
         }
         let mut outcomes = Vec::new();
         let mut learning = Vec::new();
@@ -59,15 +60,22 @@ impl Cohort for DdpgCohort {
             outcomes.push(is_learning.map(|_| ()));
         }
         let (places, mut learning): (Vec<usize>, Vec<Pupil<'_>>) = learning.into_iter().unzip();
-        for (place, outcome) in places.into_iter().zip(self.learn_stacked(&mut learning)?) {
+        let stacked = self.learn_stacked(&mut learning).unwrap_or_else(|error| {
+            let text = std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string);
+            places.iter().map(|_| Err(TchError::Torch(text.clone()).into())).collect()
+        });
+        for (place, outcome) in places.into_iter().zip(stacked) {
             outcomes[place] = outcome;
         }
-        Ok(outcomes)
+        outcomes
     }
 }
 
 impl DdpgCohort {
     /// A cycle of those who learn, in one stack.
+    ///
+    /// # Errors
+    /// [`AgentError::Torch`].
     fn learn_stacked(&mut self, pupils: &mut [Pupil<'_>]) -> Result<Vec<Result<(), AgentError>>, AgentError> {
         if pupils.is_empty() {
             return Ok(Vec::new());

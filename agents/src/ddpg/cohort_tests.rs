@@ -68,7 +68,7 @@ fn cycle(cohort: &mut DdpgCohort, runs: &mut [&mut Run]) -> Vec<Result<(), Agent
 
 fn learn(cohort: &mut DdpgCohort, runs: &mut [&mut Run]) -> Vec<Result<(), AgentError>> {
     let mut lanes: Vec<CohortLane<'_>> = runs.iter_mut().map(|run| run.lane()).collect();
-    cohort.learn(&mut lanes).unwrap()
+    cohort.learn(&mut lanes)
 }
 
 /// Student 3 after four cycles, with the neighbours that each of them has.

@@ -28,7 +28,7 @@ fn together(runs: &mut [&mut Run], cycles: usize) -> Vec<Result<(), AgentError>>
     for _ in 0..cycles {
         runs.iter_mut().for_each(|run| run.episodes().unwrap());
         let mut lanes: Vec<CohortLane<'_>> = runs.iter_mut().map(|run| run.lane()).collect();
-        outcomes = cohort.learn(&mut lanes).unwrap();
+        outcomes = cohort.learn(&mut lanes);
     }
     outcomes
 }
