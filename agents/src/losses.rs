@@ -4,7 +4,7 @@
 //! of shape `[E, rows, 1]` and actions of shape `[E, A, rows]`, for E learners. Each learner's loss is a mean
 //! over n transitions. A batch may come in parts, so n is passed in and the parts' losses add up.
 
-use tch::{Kind, TchError, Tensor};
+use tch::{Device, Kind, TchError, Tensor};
 
 use crate::networks::{Views, with_slices};
 
@@ -76,17 +76,25 @@ impl Loss {
         })
     }
 
-    /// Every learner's number once the device has computed it; on the CPU the sum over all learners.
-    pub(crate) fn read(&self) -> Result<Vec<f64>, TchError> {
-        match self {
-            Self::Known(number) => Ok(vec![*number]),
-            Self::Awaited(numbers) => Vec::try_from(numbers.f_to_kind(Kind::Double)?),
+    /// Of each of `losses`, every learner's number, or on the CPU the sum over all learners. A device is waited
+    /// for once.
+    pub(crate) fn read(losses: &[Self]) -> Result<Vec<Vec<f64>>, TchError> {
+        let (mut known, mut awaited) = (Vec::new(), Vec::new());
+        for loss in losses {
+            match loss {
+                Self::Known(number) => known.push(vec![*number]),
+                Self::Awaited(numbers) => awaited.push(numbers),
+            }
         }
+        if awaited.is_empty() {
+            return Ok(known);
+        }
+        Vec::try_from(Tensor::f_stack(&awaited, 0)?.f_to_kind(Kind::Double)?.f_to_device(Device::Cpu)?)
     }
 
     /// The sum over all learners, which a device is waited for.
-    pub(crate) fn total(&self) -> Result<f64, TchError> {
-        Ok(self.read()?.iter().sum())
+    pub(crate) fn total(self) -> Result<f64, TchError> {
+        Ok(Self::read(&[self])?.iter().flatten().sum())
     }
 }
 
@@ -203,7 +211,7 @@ mod tests {
     use tch::Tensor;
 
     use super::{
-        Discount, action_penalty, action_penalty_slope, bellman_target, critic_loss, critic_loss_slope,
+        Discount, Loss, action_penalty, action_penalty_slope, bellman_target, critic_loss, critic_loss_slope,
         critic_part, penalty_part, value_part, write_targets,
     };
     use crate::networks::Views;
@@ -261,7 +269,9 @@ mod tests {
 
             let values = column([-0.5, -1.0, -4.0, 0.25]);
             let loss = critic_part(&values, &targets, 4, &slope).unwrap();
-            assert_eq!(loss.read().unwrap().len(), if looped { 1 } else { 2 });
+            let read = Loss::read(&[loss, value_part(&values, 4, &slope).unwrap()]).unwrap();
+            assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), [if looped { 1 } else { 2 }; 2]);
+            let loss = critic_part(&values, &targets, 4, &slope).unwrap();
             let loss = loss.total().unwrap();
             assert!((loss - (4.0 + 1.0 + 0.0 + 1.0) / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[1.0, -0.5, 0.0, 0.5]);

@@ -17,6 +17,7 @@ use support::{goalbench, stderr, stdout, write_protocol};
 /// Twelve runs that keep step, of all kinds of teachers: three variants, of which one has runs of half the
 /// length, one a shorter warm-up and another buffer; and two runs whose ensembles diverge.
 const PROTOCOL: &str = "
+name = 'lanes'
 environments = ['Point']
 curricula = ['teach', 'vds', 'space']
 seeds = [0, 1]

@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use envs::Reward;
 use envs::rng::Rng;
-use tch::TchError;
 
 use super::update::{Learner, Networks};
 use crate::batch::Batch;
@@ -61,7 +60,7 @@ pub(super) fn cycle(
             *lane.sampling += begun.elapsed();
             rows.write(lane.batch, lane.normalizers);
         })?;
-        losses.push(learner.update(networks)?);
+        losses.extend(learner.update(networks)?);
         if config.polyak_every == PolyakEvery::Update {
             networks.follow(config.polyak)?;
         }
@@ -73,17 +72,16 @@ pub(super) fn cycle(
 }
 
 /// Who has diverged: the first loss that is not finite tells, or else a parameter after the last step.
-fn verdicts(networks: &Networks, before: &[u64], losses: &[[Loss; 2]]) -> Result<Verdicts, AgentError> {
+///
+/// `losses` are those of critics and actors in turn, `before` the gradient steps before the cycle.
+fn verdicts(networks: &Networks, before: &[u64], losses: &[Loss]) -> Result<Verdicts, AgentError> {
+    let losses = Loss::read(losses)?;
     let finite = [networks.actor.are_finite()?, networks.critic.are_finite()?];
-    let losses: Vec<[Vec<f64>; 2]> = losses.iter().map(read).collect::<Result<_, _>>()?;
     let of_lane = |lane: usize| {
-        for (step, [critic, actor]) in losses.iter().enumerate() {
-            for (what, loss) in [("critic's loss", critic[lane]), ("actor's loss", actor[lane])] {
-                if !loss.is_finite() {
-                    let gradient_steps = before[lane] + step as u64 + 1;
-                    return Err(AgentError::Diverged { what, gradient_steps });
-                }
-            }
+        if let Some(place) = losses.iter().position(|loss| !loss[lane].is_finite()) {
+            let what = ["critic's loss", "actor's loss"][place % 2];
+            let gradient_steps = before[lane] + place as u64 / 2 + 1;
+            return Err(AgentError::Diverged { what, gradient_steps });
         }
         for (what, finite) in [("actor", finite[0][lane]), ("critic", finite[1][lane])] {
             if !finite {
@@ -93,8 +91,4 @@ fn verdicts(networks: &Networks, before: &[u64], losses: &[[Loss; 2]]) -> Result
         Ok(())
     };
     Ok((0..before.len()).map(of_lane).collect())
-}
-
-fn read([critic, actor]: &[Loss; 2]) -> Result<[Vec<f64>; 2], TchError> {
-    Ok([critic.read()?, actor.read()?])
 }

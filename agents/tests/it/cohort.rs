@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use agents::{AgentError, CohortLane, HerStrategy, NoiseConfig, StudentConfig, make_cohort};
+use agents::{AgentError, Cohort, CohortLane, HerStrategy, NoiseConfig, StudentConfig, make_cohort};
 
 use crate::toy::{Run, small};
 
@@ -27,10 +27,14 @@ fn together(runs: &mut [&mut Run], cycles: usize) -> Vec<Result<(), AgentError>>
     let mut outcomes = Vec::new();
     for _ in 0..cycles {
         runs.iter_mut().for_each(|run| run.episodes().unwrap());
-        let mut lanes: Vec<CohortLane<'_>> = runs.iter_mut().map(|run| run.lane()).collect();
-        outcomes = cohort.learn(&mut lanes);
+        outcomes = learn(cohort.as_mut(), runs);
     }
     outcomes
+}
+
+fn learn(cohort: &mut dyn Cohort, runs: &mut [&mut Run]) -> Vec<Result<(), AgentError>> {
+    let mut lanes: Vec<CohortLane<'_>> = runs.iter_mut().map(|run| run.lane()).collect();
+    cohort.learn(&mut lanes)
 }
 
 fn saved(run: &mut Run, folder: &Path) -> Vec<u8> {
@@ -114,7 +118,9 @@ fn one_that_diverges_leaves_and_the_others_go_on() {
     together(&mut [a, b, c], 1);
     let mut poisoned = Run::new(&config(0), 1);
     poisoned.poison();
-    let outcomes = together(&mut [a, b, &mut poisoned, c], 1);
+    [&mut *a, &mut *b, &mut *c].into_iter().for_each(|run| run.episodes().unwrap());
+    let mut cohort_of_four = make_cohort(&small(), 4).unwrap();
+    let outcomes = learn(cohort_of_four.as_mut(), &mut [a, b, &mut poisoned, c]);
     assert!(matches!(outcomes[2], Err(AgentError::Diverged { gradient_steps: 1, .. })), "{outcomes:?}");
     assert!([0, 1, 3].iter().all(|&lane| outcomes[lane].is_ok()), "{outcomes:?}");
     together(&mut [a, b, c], 1);

@@ -41,6 +41,7 @@ mod tests {
     use crate::sweep::Sweep;
 
     const TEXT: &str = "
+        name = 'a-test'
         environments = ['Point', 'MazeA']
         curricula = ['teach', 'her-iid']
         seeds = [0, 1]

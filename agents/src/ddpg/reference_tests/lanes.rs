@@ -6,6 +6,7 @@ use tch::{Device, Tensor};
 use super::automatic::{Mlp, Reference, Transitions};
 use super::*;
 use crate::batch::Batch;
+use crate::losses::Loss;
 
 /// Transitions per student and step.
 const N: usize = 24;
@@ -64,7 +65,7 @@ fn check(lanes: usize, precision: Precision, most: f64) {
             .inputs
             .fill_each(step, &mut students, |s, rows| rows.write(&s.batch, &s.normalizers))
             .unwrap();
-        let losses = learner.update(&mut stack).unwrap().map(|loss| loss.read().unwrap());
+        let losses = Loss::read(&learner.update(&mut stack).unwrap()).unwrap();
         for (lane, student) in students.iter_mut().enumerate() {
             let found = [losses[0][lane], losses[1][lane]];
             student.check_step(&mut stack.member(lane, dims).unwrap(), found, most);

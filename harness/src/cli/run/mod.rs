@@ -167,15 +167,16 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let results = outputs::unlike_an_option(results);
     outputs::folder("--out", &results, &args.protocol.inputs())?;
     let sweep = Sweep::survey(&plan, &results, args.extend)?;
-    if args.dry_run {
-        return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
-    }
-    if args.executor == Executor::Local {
+    if args.executor == Executor::Local && !args.dry_run {
         sweep.check_device().map_err(HarnessError::flag("--device"))?;
     }
     let lanes = args.lanes.decide(registry, sweep.open(), args.executor == Executor::Slurm)?;
     if let Some(note) = &lanes.note {
         complain(&format!("goalbench: {note}"));
+    }
+    if args.dry_run {
+        let conduct = conduct(args, &lanes);
+        return dry::dry_run(registry, &plan, &sweep, &results, conduct);
     }
     match args.executor {
         Executor::Local => {
