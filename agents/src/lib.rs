@@ -2,7 +2,7 @@
 //!
 //! [`Agent`] is the trait that the harness trains through, [`Critic`] its read-only side that teachers see.
 //! [`make`] builds the agent that a [`StudentConfig`] names from the table [`registry::AGENTS`]. Teachers
-//! that learn values of their own have [`Ensemble`].
+//! that learn values of their own have [`Ensemble`]. Students of one shape can learn in lockstep: [`Cohort`].
 //!
 //! One cycle of training, as the harness does it:
 //!
@@ -49,6 +49,7 @@ mod agent;
 mod auto;
 mod batch;
 mod checks;
+mod cohort;
 mod config;
 mod ddpg;
 mod device;
@@ -62,6 +63,7 @@ mod losses;
 mod networks;
 mod noise;
 mod normalizer;
+mod pool;
 mod precision;
 mod products;
 pub mod registry;
@@ -73,6 +75,7 @@ mod value;
 pub use agent::{Agent, Critic, Mode, Network};
 pub use auto::Auto;
 pub use batch::Batch;
+pub use cohort::{Cohort, CohortLane};
 pub use config::{PolyakEvery, Preset, StudentConfig};
 pub use device::Device;
 pub use diagnosis::{Diagnosis, DryStep};
@@ -82,9 +85,10 @@ pub use episode::{Episode, Trajectory};
 pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, TorchError};
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
+pub use pool::side_by_side;
 pub use precision::Precision;
 pub use products::{ProductRates, Products};
-pub use registry::{check_replay, make};
+pub use registry::{check_replay, make, make_cohort};
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};
 pub use seal::{Seal, SealError};

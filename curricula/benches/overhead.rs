@@ -142,8 +142,8 @@ impl Classroom {
         spent + begun.elapsed().as_secs_f64()
     }
 
-    /// How many steps of probe rollouts `teacher` takes for a training step, and the seconds that they take in
-    /// a mean cycle.
+    /// How many steps of probe rollouts `teacher` takes for a training step, and the seconds that they take
+    /// in a mean cycle.
     fn rollouts(&mut self, teacher: &mut dyn Curriculum) -> (f64, f64) {
         let cycle = self.student.episodes_per_cycle();
         let (mut episodes, mut seconds) = (0, Vec::new());

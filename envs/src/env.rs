@@ -51,7 +51,7 @@ pub struct Observation {
 }
 
 /// What a task rewards: all that hindsight relabelling needs to know of an environment.
-pub trait Reward {
+pub trait Reward: Sync {
     /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
     ///
     /// # Panics

@@ -11,7 +11,7 @@ use crate::protocol::presets;
 /// `--jobs`.
 #[derive(clap::Args)]
 pub(super) struct JobsFlag {
-    /// Runs side by side, one thread each [default: the number of cores]
+    /// Threads at work, one for each run unless --lanes puts several together [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     jobs: Option<u16>,
 }
@@ -22,10 +22,15 @@ impl JobsFlag {
         self.jobs.is_some()
     }
 
+    /// Threads at work.
+    pub(super) fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.jobs.map_or_else(cores, usize::from)
+    }
+
     /// How many of `runs` to carry out side by side: no more than there are, whatever number was asked for.
     pub(super) fn for_runs(&self, runs: usize) -> usize {
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        self.jobs.map_or_else(cores, usize::from).min(runs.max(1))
+        self.threads().min(runs.max(1))
     }
 }
 

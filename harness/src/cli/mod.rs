@@ -90,17 +90,24 @@ enum Command {
     Protocol(protocol::Args),
     /// Explain a command, every config field (`help config`), or the JSON that commands print (`help json`)
     Help(help::Args),
-    /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
+    /// Carry out the runs whose manifests lie in FOLDERS, in lockstep (what `run` starts for each cohort)
     #[command(hide = true)]
     Worker {
-        /// The run's folder
-        folder: PathBuf,
+        /// The runs' folders
+        #[arg(required = true)]
+        folders: Vec<PathBuf>,
         /// Keep a TensorBoard event file
         #[arg(long)]
         tensorboard: bool,
-        /// Remove the replay buffer once the run has finished
+        /// Remove the replay buffer of a run once it has finished
         #[arg(long)]
         discard_replay: bool,
+        /// Threads for all runs
+        #[arg(long, default_value_t = 1)]
+        threads: usize,
+        /// Lanes that a GPU's products are made for
+        #[arg(long, default_value_t = 1)]
+        width: usize,
     },
     /// Carry out task INDEX of a submitted job array (what `run --executor slurm` submits)
     #[command(hide = true)]
@@ -148,12 +155,11 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::TryCuda => local::device::try_cuda(),
         Command::TryRuns => trial::try_runs(&registry),
         Command::MeasureRuns { parallel } => estimate::measure_runs(&registry, parallel),
-        Command::Worker { folder, tensorboard, discard_replay } => {
-            let keeping = worker::Keeping { tensorboard, discard_replay };
-            worker::work(&registry, &folder, keeping).or_else(|(code, error)| {
-                complain_of(&error);
-                Ok(code)
-            })
+        Command::Worker { folders, tensorboard, discard_replay, threads, width } => {
+            let keeping = worker::Keeping { tensorboard, discard_replay, threads, width };
+            let worked = worker::work(&registry, &folders, keeping);
+            worked.errors.iter().for_each(complain_of);
+            Ok(worked.code())
         }
     };
     let code = result.unwrap_or_else(|error| {

@@ -1,9 +1,10 @@
 //! Measuring a student.
 
-use agents::{Critic, Network};
+use agents::{Critic, Diagnosis, DryStep, Network};
 use envs::rng::Rng;
 use envs::{GoalEnv, Goals, Rows};
 use rand::Rng as _;
+use reports::schema::Learning;
 
 use super::error::RunError;
 
@@ -138,6 +139,23 @@ fn play(
     tally.any_successes += count(&ever);
     tally.episodes += envs.len() as u64;
     Ok(())
+}
+
+/// What a student's diagnosis leaves in the records of the evaluation `eval_index`, at this training step.
+pub(super) fn learning(found: &Diagnosis, eval_index: u64, step: u64) -> Learning {
+    // JSON has no form for numbers that are not finite.
+    let number = |of: fn(&DryStep) -> f64| found.dry_step.as_ref().map(of).filter(|x| x.is_finite());
+    Learning {
+        eval_index,
+        step,
+        critic_loss: number(|found| found.critic_loss),
+        actor_loss: number(|found| found.actor_loss),
+        mean_q: number(|found| found.mean_q),
+        critic_gradient_norm: number(|found| found.critic_gradient_norm),
+        actor_gradient_norm: number(|found| found.actor_gradient_norm),
+        replay_episodes: found.replay_episodes,
+        replay_transitions: found.replay_transitions,
+    }
 }
 
 #[cfg(test)]

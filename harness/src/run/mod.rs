@@ -1,6 +1,8 @@
-//! One run: its folder, its training loop, its evaluations.
+//! One run: its folder, its training loop, its evaluations. Several go through their cycles in lockstep: a
+//! [`cohort`].
 
 pub mod checkpoint;
+pub mod cohort;
 pub mod error;
 pub mod evaluate;
 pub mod folder;

@@ -109,7 +109,8 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     Ok(if check.passed() { ExitCode::Success } else { ExitCode::Failed })
 }
 
-/// Checks that the runs of `plan` are evaluated as those that were `recorded`: other curves compare with nothing.
+/// Checks that the runs of `plan` are evaluated as those that were `recorded`: other curves compare with
+/// nothing.
 fn check_evaluations(recorded: &Plan, plan: &Plan) -> Result<(), HarnessError> {
     let same = recorded.runs.iter().zip(&plan.runs).all(|(before, now)| {
         before.config.budget == now.config.budget && before.config.evaluation == now.config.evaluation

@@ -128,10 +128,10 @@ impl RunsArgs {
         local::limits::make_room(self.jobs.for_runs(sweep.open().count()))?;
         sweep.try_out(false)?;
         let sweep = sweep.prepare(Preparation::default())?;
-        let parallel = self.jobs.for_runs(sweep.open().count());
-        let reporter = reporter::for_stderr(sweep.jobs(), parallel);
-        let conduct =
-            Conduct { parallel, retries: RETRIES, tensorboard: false, discard_replay: self.keep.is_none() };
+        let workers = self.jobs.for_runs(sweep.open().count());
+        let reporter = reporter::for_stderr(sweep.jobs(), workers);
+        let discard_replay = self.keep.is_none();
+        let conduct = Conduct { retries: RETRIES, discard_replay, ..Conduct::share(workers, 1) };
         let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;
         Ok(have_ended(&endings)?.then_some(results))
     }

@@ -9,14 +9,26 @@ use crate::cli::{Exit, complain, print};
 use crate::estimate::Estimates;
 use crate::pace::{self, human};
 use crate::protocol::plan::{Plan, PlannedRun};
-use crate::sweep::{ExitCode, Job, Sweep};
+use crate::sweep::cohort::cohorts;
+use crate::sweep::{Conduct, ExitCode, Job, Sweep};
 
 /// How long speeds are measured; what takes longer is estimated from the rest.
 const PATIENCE: Duration = Duration::from_secs(45);
 
 /// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take.
-pub(super) fn dry_run(plan: &Plan, sweep: &Sweep, results: &Path, parallel: usize) -> Exit {
+pub(super) fn dry_run(plan: &Plan, sweep: &Sweep, results: &Path, conduct: Conduct) -> Exit {
+    let parallel = conduct.threads.saturating_mul(conduct.workers).min(sweep.open().count().max(1));
     print(&describe(plan, sweep, results));
+    if conduct.lanes > 1 {
+        let together = cohorts(sweep.jobs(), conduct.lanes);
+        let open = together.iter().filter(|cohort| sweep.jobs()[cohort[0]].is_open()).count();
+        print(&format!(
+            "{} of up to {} in lockstep, {} at a time\n",
+            counted(open, "cohort"),
+            counted(conduct.lanes, "run"),
+            conduct.workers.min(open.max(1))
+        ));
+    }
     let open = sweep.jobs().iter().zip(&plan.runs).filter(|(job, _)| job.is_open());
     let open: Vec<PlannedRun> = open.map(|(_, run)| run.clone()).collect();
     if open.is_empty() {
