@@ -118,8 +118,8 @@ fn workers(parent: u32) -> Vec<u32> {
     String::from_utf8_lossy(&text.stdout).split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
 }
 
-/// Workers are killed, then sweeps, then one is stopped by a signal; each time the runs go on in other cohorts
-/// or alone.
+/// Workers are killed, then sweeps, then one is stopped by a signal; each time the runs go on in other
+/// cohorts or alone.
 #[test]
 fn killed_and_stopped_lanes_go_on_in_other_cohorts_and_alone() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -217,7 +217,8 @@ fn wrong_options_are_refused_before_anything_is_run() {
     refused("false-alarms --baseline B --now 3 --before 4", "the baseline has 6");
 }
 
-/// A student that learns nothing any more falls from a perfect baseline; the baseline's own config is what it was.
+/// A student that learns nothing any more falls from a perfect baseline; the baseline's own config is what it
+/// was.
 #[test]
 fn a_changed_setting_is_compared_with_the_baseline_that_did_without() {
     let home = Home::new();

@@ -30,7 +30,7 @@
 //! - Mixtures are scikit-learn's in the authors' code. Here they are fitted in the same way, with full
 //!   covariances and 1e-6 added to every variance, from clusters by k-means that begins from one draw of
 //!   centres. A number of components for which the fit fails is left out; if all fail, the last mixture
-//! stays.
+//!   stays.
 //! - ALPs follow after each cycle of the student, when the task's reward is at hand, from the episodes in its
 //!   replay buffer. So the second episode of a cycle does not know of the first.
 

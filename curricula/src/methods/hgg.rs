@@ -31,7 +31,7 @@
 //! - Pairs are found by the algorithm of Kuhn and Munkres; in the authors' code by a flow of least cost. Both
 //!   find a least sum.
 //! - The authors' student draws episodes from its buffer by their energy. Here it is the same for all
-//! methods.
+//!   methods.
 //! - Distances are Euclidean in the goal's own units, as in the authors' code: for HandManipulate* metres and
 //!   quaternions together.
 //! - Which goals are achieved ones, and may lie where the environment would not ask for them, see

@@ -19,8 +19,8 @@
 //! - As in the authors' code an episode is a success if its goal was reached after any of its steps.
 //! - As in the authors' code the goal of highest value is asked for where no candidate passes the cutoff.
 //! - The density is that of 10,000 goals drawn from the replay buffer with replacement, brought to deviation
-//! 1   ([`Scaling`](crate::Scaling)), with Gaussian kernels of bandwidth 0.1. It is made anew for every
-//! episode;   in the authors' code with every step of optimisation.
+//!   1 ([`Scaling`](crate::Scaling)), with Gaussian kernels of bandwidth 0.1. It is made anew for every
+//!   episode; in the authors' code with every step of optimisation.
 //! - The value is the student's own Q at the greedy action from the start at hand.
 //! - Before there is an episode in the replay buffer, the environment's own goal is kept.
 //! - Achieved goals are taken as they are. The environments accept any finite goal, and hindsight trains on

@@ -85,8 +85,8 @@ fn measure(registry: &Registry, run: RunKey, mut config: RunConfig) -> Result<Sp
     config.student.updates_per_cycle = UPDATES.min(updates);
     let updates = updates as f64 / config.student.updates_per_cycle as f64;
     let mut watch = Stopwatch::default();
-    // A teacher may ask for more rollouts than there are steps here; that no step is one errs on the safe side,
-    // for nobody learns in them.
+    // A teacher may ask for more rollouts than there are steps here; that no step is one errs on the safe
+    // side, for nobody learns in them.
     Trainer::new(registry, run, config)?.without_rollouts().run(&mut watch)?;
     let [first, .., last] = watch.cycles[..] else { unreachable!("{CYCLES} cycles were run") };
     let learning = watch.learning.as_secs_f64();

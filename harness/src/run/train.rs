@@ -1,6 +1,6 @@
 //! What a run does in a turn: a cycle of episodes towards the teacher's goals and the learning from them, or
-//! some of the probe rollouts that the teacher asked for. Evaluations lie between turns. [`cohort`](super::cohort)
-//! goes through the cycles.
+//! some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
+//! [`cohort`](super::cohort) goes through the cycles.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -214,8 +214,8 @@ impl Trainer {
         Ok(wish)
     }
 
-    /// The probe rollouts that are pending, in turns of their own, and then the episodes of a cycle. Gives what
-    /// [`Trainer::finish`] must know of the time before these.
+    /// The probe rollouts that are pending, in turns of their own, and then the episodes of a cycle. Gives
+    /// what [`Trainer::finish`] must know of the time before these.
     pub(super) fn play(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<End, Before>, RunError> {
         while self.probing.is_pending() {
             let before = self.step;
