@@ -10,8 +10,8 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
-//! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools
-//! for that. Whoever wants to know more than training shows asks for [`Rollouts`].
+//! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the
+//! tools for that. Whoever wants to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.

@@ -29,7 +29,8 @@
 //! - Where every Gaussian's mean ALP is 0 all are as likely, as in the authors' code.
 //! - Mixtures are scikit-learn's in the authors' code. Here they are fitted in the same way, with full
 //!   covariances and 1e-6 added to every variance, from clusters by k-means that begins from one draw of
-//!   centres. A number of components for which the fit fails is left out; if all fail, the last mixture stays.
+//!   centres. A number of components for which the fit fails is left out; if all fail, the last mixture
+//!   stays.
 //! - ALPs follow after each cycle of the student, when the task's reward is at hand, from the episodes in its
 //!   replay buffer. So the second episode of a cycle does not know of the first.
 
@@ -268,7 +269,7 @@ impl Method for AlpGmm {
     fn summary<'a>(&'a self, state: &'a AlpGmmState) -> TeacherSummary<'a> {
         let components = state.fitted.as_ref().map_or(0, |fitted| fitted.mixture.components.len());
         let mean = state.progress.iter().sum::<f64>() / state.progress.len() as f64;
-        let statistics = vec![("mixture_components", components as f64), ("progress_mean", mean)];
+        let statistics = vec![("mixture_components", components as f64), ("alp_mean", mean)];
         TeacherSummary { weights: None, statistics }
     }
 

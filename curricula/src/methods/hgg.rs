@@ -7,8 +7,8 @@
 //!
 //! min_t \[ ‖ag_t − g‖ − V(s0, ag_t) (1 − γ) D / L \] + c ‖ag_0 − m‖,
 //!
-//! with m what is achieved at the start at hand, and D the diameter of the goal space ([`price`]). The ag_t of
-//! the minimum is the hindsight goal. The next 50 episodes ask for one each, and then all is matched anew.
+//! with m what is achieved at the start at hand, and D the diameter of the goal space ([`price`]). The ag_t
+//! of the minimum is the hindsight goal. The next 50 episodes ask for one each, and then all is matched anew.
 //!
 //! # Deviations and choices
 //! The authors' code is `Stilwell-Git/Hindsight-Goal-Generation` (commit acd80b4, `learner/hgg.py`; its
@@ -30,7 +30,8 @@
 //!   Hand none. Here there is none: a hindsight goal is one that was achieved.
 //! - Pairs are found by the algorithm of Kuhn and Munkres; in the authors' code by a flow of least cost. Both
 //!   find a least sum.
-//! - The authors' student draws episodes from its buffer by their energy. Here it is the same for all methods.
+//! - The authors' student draws episodes from its buffer by their energy. Here it is the same for all
+//!   methods.
 //! - Distances are Euclidean in the goal's own units, as in the authors' code: for HandManipulate* metres and
 //!   quaternions together.
 //! - Which goals are achieved ones, and may lie where the environment would not ask for them, see

@@ -1,5 +1,5 @@
 //! MEGA: ask for what has been achieved least often (Pitis, Chan, Zhao, Stadie and Ba, "Maximum Entropy Gain
-//! Exploration for Long Horizon Multi-goal Reinforcement Learning", ICML 2020, Algorithm 1).
+//! Exploration for Long Horizon Multi-goal Reinforcement Learning", ICML 2020).
 //!
 //! 100 goals that the student has achieved are drawn from its replay buffer. Those whose value from the start
 //! at hand is below a cutoff are left out, for the student may have been there by chance only. Of the others
@@ -18,9 +18,9 @@
 //!   after 80 % of its steps ([`least_cutoff`]).
 //! - As in the authors' code an episode is a success if its goal was reached after any of its steps.
 //! - As in the authors' code the goal of highest value is asked for where no candidate passes the cutoff.
-//! - The density is that of 10,000 goals drawn from the replay buffer with replacement, brought to deviation 1
-//!   ([`Scaling`](crate::Scaling)), with Gaussian kernels of bandwidth 0.1. It is made anew for every episode;
-//!   in the authors' code with every step of optimisation.
+//! - The density is that of 10,000 goals drawn from the replay buffer with replacement, brought to deviation
+//!   1 ([`Scaling`](crate::Scaling)), with Gaussian kernels of bandwidth 0.1. It is made anew for every
+//!   episode; in the authors' code with every step of optimisation.
 //! - The value is the student's own Q at the greedy action from the start at hand.
 //! - Before there is an episode in the replay buffer, the environment's own goal is kept.
 //! - Achieved goals are taken as they are. The environments accept any finite goal, and hindsight trains on
@@ -122,8 +122,8 @@ impl MegaConfig {
 }
 
 /// The lowest cutoff there is for episodes of `horizon` steps and values down to `lowest` = −1/(1−γ): the
-/// return of one that is at its goal after 80 % of its steps, −(1 − γ^(0.8 H)) / (1 − γ). A γ above 0.99 counts
-/// as 0.99.
+/// return of one that is at its goal after 80 % of its steps, −(1 − γ^(0.8 H)) / (1 − γ). A γ above 0.99
+/// counts as 0.99.
 ///
 /// ```
 /// use curricula::methods::mega::least_cutoff;

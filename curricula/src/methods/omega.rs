@@ -1,22 +1,22 @@
 //! OMEGA: MEGA that comes to the environment's own goals as soon as the student has achieved their kind
 //! (Pitis, Chan, Zhao, Stadie and Ba, "Maximum Entropy Gain Exploration for Long Horizon Multi-goal
-//! Reinforcement Learning", ICML 2020, section 4.3).
+//! Reinforcement Learning", ICML 2020).
 //!
-//! With probability α = 1 / max(b + D, 1) the environment's own goal is kept ([`keep_probability`]), otherwise
-//! [`mega`](super::mega) chooses. D is the divergence of the goals that the environment asks for from those
-//! that the student has achieved ([`divergence`]): large as long as the former lie where the student never
-//! comes, so that MEGA has it explore, and small in the end.
+//! With probability α = 1 / max(b + D, 1) the environment's own goal is kept ([`keep_probability`]),
+//! otherwise [`mega`](super::mega) chooses. D is the divergence of the goals that the environment asks for
+//! from those that the student has achieved ([`divergence`]): large as long as the former lie where the
+//! student never comes, so that MEGA has it explore, and small in the end.
 //!
 //! # Deviations and choices
 //! Those of [`mega`](super::mega), and, against the authors' code (`spitis/mrl`, commit 249d652,
 //! `CuriosityAlphaMixtureModule` in `mrl/modules/curiosity.py`):
 //!
-//! - D is estimated from 1000 fresh goals of the environment, for the start at hand; theirs are from the replay
-//!   buffer. As there, both densities have bandwidth 0.1 on the scale of achieved goals, and the desired
-//!   goals' own is asked at the very points that it is made of, which makes D larger than it is: the more so,
-//!   the more dimensions goals have.
-//! - α is renewed every 10 episodes; theirs is after every 100 steps of optimisation. Until it is first known,
-//!   before anything is achieved, all goals are the environment's own.
+//! - D is estimated from 1000 fresh goals of the environment, for the start at hand; theirs are from the
+//!   replay buffer. As there, both densities have bandwidth 0.1 on the scale of achieved goals, and the
+//!   desired goals' own is asked at the very points that it is made of, which makes D larger than it is: the
+//!   more so, the more dimensions goals have.
+//! - α is renewed every 10 episodes; theirs is after every 100 steps of optimisation. Until it is first
+//!   known, before anything is achieved, all goals are the environment's own.
 //! - In the authors' code the environment's own goal is kept only if its value, too, passes the cutoff. A
 //!   teacher does not see that goal, and the paper does not ask for this.
 
