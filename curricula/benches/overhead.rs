@@ -2,7 +2,9 @@
 //! batch 1024, 40 gradient steps) on MazeA, whose networks are the smallest and whose episodes are the
 //! cheapest.
 //!
-//! A teacher's share counts all it does in a cycle: two proposals, hearing of two episodes, its own learning.
+//! A teacher's share counts all it does in a cycle: two proposals, hearing of two episodes, its own learning,
+//! and its part in probe rollouts. These themselves are steps in the environment: the last lines say how many
+//! there are for every training step, and what share of the student's learning they take in a mean cycle.
 //! Student and teachers take turns, so that all meet the same machine; printed are medians over the turns. A
 //! whole cycle takes longer than its learning, so shares of a cycle are smaller still. ALP-GMM and HGG work
 //! once in many episodes, which no median shows: the mean over their whole period is printed beside it. The
@@ -20,8 +22,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use agents::{Agent, Episode, StudentConfig};
-use curricula::{CURRICULA, Curriculum, Lesson, Setting};
+use agents::{Agent, Episode, Mode, StudentConfig};
+use curricula::{CURRICULA, Curriculum, Lesson, RolloutPolicy, RolloutRequest, Rollouts, Setting};
 use envs::rng::{Purpose, Rng, stream, uniform};
 use envs::{EnvOptions, GoalEnv, Observation, Rows, draw_pool};
 
@@ -36,6 +38,8 @@ const PERIODS: [(&str, usize); 2] = [("alp-gmm", 250), ("hgg", 50)];
 /// Episodes in the student's replay buffer.
 const REMEMBERED: usize = 1000;
 const TURNS: usize = 15;
+/// What probe rollouts come to is counted over so many training episodes.
+const LONG_RUN: usize = 2_000;
 /// Turns before those that count.
 const WARM_UP: usize = 2;
 
@@ -44,13 +48,15 @@ struct Candidate {
     name: String,
     teacher: Box<dyn Curriculum>,
     shares: Vec<f64>,
+    /// Whether it asks for probe rollouts.
+    asks: bool,
 }
 
 impl Candidate {
     fn new(id: &str, name: &str, config: &str, setting: &Setting) -> Self {
         let entry = CURRICULA.iter().find(|entry| entry.id == id).expect("a registered teacher");
         let teacher = entry.build(config.parse().expect("TOML"), setting).expect("a valid config");
-        Self { name: name.to_owned(), teacher, shares: Vec::new() }
+        Self { name: name.to_owned(), teacher, shares: Vec::new(), asks: false }
     }
 }
 
@@ -61,6 +67,8 @@ struct Classroom {
     /// Where episodes start, shifted a little with every one.
     start: Observation,
     walks: Rng,
+    /// The probe rollouts that the last teacher asked for after the last cycle.
+    asked: Option<RolloutRequest>,
     replay: Rng,
     rng: Rng,
 }
@@ -75,7 +83,7 @@ impl Classroom {
         let [walks, replay, rng] =
             [Purpose::Environment, Purpose::Replay, Purpose::Teacher].map(|purpose| stream(0, purpose));
         let start = env.observation().clone();
-        let mut classroom = Self { student, env, start, walks, replay, rng };
+        let mut classroom = Self { student, env, start, walks, asked: None, replay, rng };
         (0..REMEMBERED).for_each(|_| drop(classroom.walk()));
         let setting = Setting { spec, pool: Arc::new(pool), seed: 0, student: config };
         (classroom, setting)
@@ -124,7 +132,49 @@ impl Classroom {
         let Self { student, env, rng, .. } = self;
         let begun = Instant::now();
         teacher.learn(&mut **student, &**env, rng).expect("learns");
+        let request = teacher.request_rollouts(&mut **env, rng).expect("a request, or none");
+        spent += begun.elapsed().as_secs_f64();
+        self.asked.clone_from(&request);
+        let Some(RolloutRequest { goals, episodes, .. }) = request else { return spent };
+        let rollouts = Rollouts { successes: vec![0; goals.len()], goals, episodes };
+        let begun = Instant::now();
+        teacher.hear_rollouts(&rollouts).expect("rollouts that were asked for");
         spent + begun.elapsed().as_secs_f64()
+    }
+
+    /// How many steps of probe rollouts `teacher` takes for a training step, and the seconds that they take in
+    /// a mean cycle.
+    fn rollouts(&mut self, teacher: &mut dyn Curriculum) -> (f64, f64) {
+        let cycle = self.student.episodes_per_cycle();
+        let (mut episodes, mut seconds) = (0, Vec::new());
+        for _ in 0..LONG_RUN / cycle {
+            self.teach(teacher);
+            if let Some(request) = self.asked.take() {
+                episodes += request.all_episodes();
+                seconds.extend((0..TURNS).map(|_| self.play(&request)));
+            }
+        }
+        let per_step = episodes as f64 / LONG_RUN as f64;
+        (per_step, per_step * cycle as f64 * median(seconds))
+    }
+
+    /// Seconds of one of the episodes that are asked for.
+    fn play(&mut self, request: &RolloutRequest) -> f64 {
+        let Self { student, env, walks, rng, .. } = self;
+        let mut action = vec![0.0; env.spec().action];
+        let begun = Instant::now();
+        env.reset(walks).expect("a start");
+        env.set_goal(request.goals.row(0)).expect("a goal of this task");
+        student.begin_episode();
+        for _ in 0..env.spec().horizon {
+            let mode = match request.policy {
+                RolloutPolicy::Greedy => Mode::Greedy,
+                RolloutPolicy::Noisy => Mode::Explore(rng),
+            };
+            student.act(env.observation(), env.goal(), mode, &mut action).expect("an action");
+            env.step(&action).expect("a step");
+        }
+        begun.elapsed().as_secs_f64()
     }
 
     /// Mean seconds in a cycle of all that `teacher` does over `episodes` episodes, once it has had as many.
@@ -158,8 +208,9 @@ fn main() -> ExitCode {
     for turn in 0..WARM_UP + TURNS {
         let learned = classroom.learn();
         let mut sum = 0.0;
-        for Candidate { name, teacher, shares } in &mut candidates {
+        for Candidate { name, teacher, shares, asks } in &mut candidates {
             let share = classroom.teach(&mut **teacher) / learned;
+            *asks |= classroom.asked.is_some();
             if cheap.contains(name) {
                 sum += share;
             }
@@ -179,11 +230,16 @@ fn main() -> ExitCode {
         println!("    at most {:.0} % wanted: {}", 100.0 * bar, if share <= bar { "met" } else { "NOT met" });
         met &= share <= bar;
     };
-    for Candidate { name, mut teacher, shares } in candidates {
+    for Candidate { name, mut teacher, shares, asks } in candidates {
         let share = print(&name, shares);
         if let Some((_, episodes)) = PERIODS.iter().find(|(id, _)| *id == name) {
             let mean = classroom.teach_on(&mut *teacher, *episodes) / learned;
             print(&format!("{name}, mean over {episodes} episodes"), vec![mean]);
+        }
+        if asks {
+            let (per_step, cost) = classroom.rollouts(&mut *teacher);
+            println!("    {per_step:.2} steps of probe rollouts for every training step");
+            print(&format!("{name}, its probe rollouts"), vec![cost / learned]);
         }
         if name == "teach" {
             demand(share, TEACH_BAR);

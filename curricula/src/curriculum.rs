@@ -174,8 +174,8 @@ pub trait Curriculum: Send {
     ) -> Result<(), CurriculumError>;
 
     /// Asks for probe rollouts, if it wants some. It is asked after each cycle, once student and teacher have
-    /// learned, unless earlier rollouts are still to be played. `goals` gives fresh goals for the start of the
-    /// last episode.
+    /// learned, unless earlier rollouts are still to be played. `goals` gives fresh goals for the start of
+    /// the last episode.
     ///
     /// # Errors
     /// [`CurriculumError`] if its own numbers are unusable.

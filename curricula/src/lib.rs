@@ -10,8 +10,9 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
-//! Others go by what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the
-//! tools for that. Whoever wants to know more than training shows asks for [`Rollouts`].
+//! Teachers that go by success keep a [`History`] of it, for goals or for [`Regions`] of them. Others go by
+//! what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools for that.
+//! Whoever wants to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
@@ -23,12 +24,14 @@ mod curriculum;
 mod density;
 mod distribution;
 mod error;
+mod history;
 mod kmeans;
 mod method;
 pub mod methods;
 mod mixture;
 mod pool_state;
 mod probe;
+mod regions;
 mod registry;
 mod replayed;
 mod rollouts;
@@ -46,10 +49,12 @@ pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, 
 pub use density::{KernelDensity, divergence};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
+pub use history::History;
 pub use method::Method;
 pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
+pub use regions::Regions;
 pub use registry::{CURRICULA, Configure, Entry};
 pub use rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
 pub use scaling::Scaling;

@@ -30,6 +30,23 @@ fn the_papers_protocol_has_its_size() {
 }
 
 #[test]
+fn one_preset_has_every_curriculum_and_its_runs_of_the_papers_methods_are_the_papers() {
+    let registry = Registry::builtin();
+    let plan = |name: &str| {
+        let preset = PRESETS.iter().find(|preset| preset.id == name).expect(name);
+        Plan::new(&preset.protocol(&registry).expect(name), &registry).expect(name)
+    };
+    let (methods, paper) = (plan("methods"), plan("paper"));
+    for entry in registry.curricula() {
+        let runs = methods.runs.iter().filter(|run| run.key.curriculum == entry.id).count();
+        assert_eq!(runs, 11 * 7, "{}", entry.id);
+    }
+    for run in &paper.runs {
+        assert!(methods.runs.iter().any(|other| (&other.key, &other.config) == (&run.key, &run.config)));
+    }
+}
+
+#[test]
 fn the_open_readings_each_have_baselines_of_the_same_evaluation() {
     let registry = Registry::builtin();
     let preset = PRESETS.iter().find(|preset| preset.id == "ambiguity").expect("it is there");

@@ -14,11 +14,17 @@ use reports::store::{Results, layout};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{goalbench, stderr, toy, toy_args};
 
-/// Long enough to be killed in: about three seconds. Both teachers have much to remember; SPaCE's set has
-/// grown before long.
-const LONGER: [&str; 12] = [
+/// Long enough to be killed in: about three seconds. All teachers have much to remember; SPaCE's set has
+/// grown before long, and SFL's rollouts, 40 episodes for 10 of training, are nearly always pending.
+const LONGER: [&str; 18] = [
     "--curriculum",
-    "teach,space",
+    "teach,space,sfl",
+    "--set",
+    "curriculum.sfl.interval=10",
+    "--set",
+    "curriculum.sfl.candidates=10",
+    "--set",
+    "curriculum.sfl.kept=3",
     "--set",
     "curriculum.space.update_steps=40",
     "--steps",

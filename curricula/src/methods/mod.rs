@@ -4,12 +4,16 @@
 //! the program.
 
 pub mod alp_gmm;
+pub mod goid;
 pub mod her_iid;
 pub mod her_iid_pool;
 pub mod hgg;
+pub mod lp;
 pub mod mega;
 pub mod omega;
+pub mod plr;
 pub mod procurl;
+pub mod sfl;
 pub mod space;
 pub mod teach;
 pub mod vds;

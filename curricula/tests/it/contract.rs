@@ -31,6 +31,12 @@ fn configs(entry: &Entry) -> &'static [&'static str] {
             "bounds = \"adaptive\"\nstates = \"replay\"\nreplay_states = 3",
         ],
         "vds" => &["disagreement = \"var\"", "disagreement = \"tanh\"", "disagreement = \"exp\""],
+        "sfl" => &["interval = 4\ncandidates = 5\nkept = 2\nshare = 1.0", "charge = false\ninterval = 1"],
+        "plr" => &["score = \"positive\"\nstaleness = 0.5", "schedule = \"fixed\"\nreplay = 0.9\nbeta = 1.0"],
+        "goid" => {
+            &["goals_per_region = 1\nwindow = 2", "lowest = 0.25\nhighest = 0.75\ngoals_per_region = 3"]
+        }
+        "lp" => &["regions = 3\nwindow = 2", "epsilon = 0.0\nregions = 4\nwindow = 3"],
         // By default no mixture would be fitted in these tests.
         "alp-gmm" => &["fit_every = 20\ncandidates = 30", "fit_every = 20\nrandom = 0.0\ncomponents = 2"],
         "mega" => &["samples = 50\nepisodes = 3", "samples = 20\ncandidates = 1\ncutoff = 0.0"],

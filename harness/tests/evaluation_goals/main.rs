@@ -66,6 +66,10 @@ fn teachers() -> Vec<(&'static Entry, Vec<&'static str>)> {
         let small = [
             ("candidates", "curriculum.watched.candidates=20"),
             ("updates_per_cycle", "curriculum.watched.updates_per_cycle=4"),
+            ("rollouts", "curriculum.watched.rollouts=2"),
+            ("kept", "curriculum.watched.kept=3"),
+            // Nothing of a run's few steps is spent on rollouts, so that all have as many episodes.
+            ("charge", "curriculum.watched.charge=false"),
             // At the default of 2048 steps nothing would be measured in these runs.
             ("update_steps", "curriculum.watched.update_steps=20"),
             // Likewise for the first mixture and for the second matching.

@@ -42,6 +42,10 @@ fn run_all(curricula: &[&str], out: &Path) {
         "curriculum.vds.candidates=10",
         "curriculum.vds.updates_per_cycle=2",
         "curriculum.space.update_steps=100",
+        "curriculum.sfl.interval=2",
+        "curriculum.sfl.candidates=2",
+        "curriculum.sfl.kept=1",
+        "curriculum.sfl.rollouts=2",
         "curriculum.mega.samples=50",
         "curriculum.omega.samples=50",
         "curriculum.omega.desired=20",
@@ -87,13 +91,17 @@ fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
             let run = layout::run_dir(folder.path(), &key);
             let teaching: Vec<Teaching> = lines(&run, layout::TEACHING);
             let goals: Vec<&Vec<f32>> = teaching.iter().flat_map(|line| &line.goals).collect();
-            assert_eq!(goals.len() as u64, STEPS / horizon, "{key}: a goal for every episode");
+            let records: Vec<Record> = lines(&run, layout::RECORDS);
+            let last = records.last().expect("an evaluation");
+            let trained = last.all_steps() - last.probe_steps;
+            assert_eq!(last.step, STEPS, "{key}");
+            assert_eq!(goals.len() as u64, trained / horizon, "{key}: a goal for every training episode");
+            assert_eq!(last.probe_steps > 0, entry.id == "sfl", "{key}: probe rollouts");
             let of_achieved = OF_ACHIEVED.contains(&entry.id);
             for goal in goals {
                 let fits = if of_achieved { space.can_be_achieved(goal) } else { space.contains(goal) };
                 assert!(fits, "{key}: {goal:?} is no goal of this environment");
             }
-            let records: Vec<Record> = lines(&run, layout::RECORDS);
             assert!(
                 records.len() >= 3 && records.len() == teaching.len(),
                 "{key}: {} evaluations",

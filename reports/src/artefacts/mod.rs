@@ -50,6 +50,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     runs::ROW,
     student::ROW,
     learning::STEPS,
+    learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
     learning::HOURS,
     summary::ROW,
