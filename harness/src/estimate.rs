@@ -99,7 +99,9 @@ fn measure(registry: &Registry, run: &PlannedRun) -> Result<Speed, RunError> {
     config.student.updates_per_cycle = UPDATES.min(run.config.student.updates_per_cycle);
     let updates = run.config.student.updates_per_cycle as f64 / config.student.updates_per_cycle as f64;
     let mut watch = Stopwatch::default();
-    Trainer::new(registry, run.key.clone(), config)?.run(&mut watch)?;
+    // A teacher may ask for more rollouts than there are steps here; that no step is one errs on the safe side,
+    // for nobody learns in them.
+    Trainer::new(registry, run.key.clone(), config)?.without_rollouts().run(&mut watch)?;
     let [first, .., last] = watch.cycles[..] else { unreachable!("{CYCLES} cycles were run") };
     let learning = watch.learning.as_secs_f64();
     let rest = (last - first - watch.evaluation_meanwhile).as_secs_f64() - learning;

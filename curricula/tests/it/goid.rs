@@ -48,10 +48,10 @@ fn goals_that_were_intermediate_are_kept_and_others_are_tried_afresh() {
 #[test]
 fn neighbours_share_what_is_known() {
     let mut class = Class::new("goid", "goals_per_region = 20\nwindow = 10", 40, |_, _| -10.0);
-    class.mastery = |goal, _| if goal[0] + goal[1] > 0.0 { 0.5 } else { 0.0 };
-    class.cycles(60);
-    let counts: Vec<usize> =
-        [0.0, 20.0, 40.0].map(|n| usize::from(class.statistic("intermediate_goals") == n)).to_vec();
-    assert_eq!(counts.iter().sum::<usize>(), 1, "whole regions of 20 goals");
-    assert_eq!(class.statistic("intermediate_goals"), class.statistic("earlier_goals").min(40.0));
+    class.mastery = |_, _| 0.5;
+    // Two regions of 20 goals each: after so few episodes most goals have not been tried at all.
+    class.cycles(20);
+    assert_eq!([class.statistic("intermediate_goals"), class.statistic("earlier_goals")], [40.0, 40.0]);
+    let scores: Vec<_> = (0..10).map(|_| class.propose().unwrap().score).collect();
+    assert!(scores.iter().all(Option::is_some), "every goal has the rate of its region: {scores:?}");
 }

@@ -56,7 +56,8 @@ pub struct RunConfig {
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
-    /// Environment steps of training; whole cycles are run until at least this many are taken.
+    /// Environment steps of training, and of probe rollouts that are charged; whole cycles are run until at
+    /// least this many are taken.
     ///
     /// Unit: steps. Range: 1 to 1,000,000,000. Auto: the environment's. Source: TEACH 5.2.
     #[schemars(with = "Auto<u64>")]

@@ -48,7 +48,7 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Run
     agents::prepare_thread();
     let products = Products::new(student, spec).map_err(|error| broken(error.into()))?;
     let gflop = products.gflop();
-    let mut trainer = Trainer::new(registry, run.key.clone(), config).map_err(broken)?;
+    let mut trainer = Trainer::new(registry, run.key.clone(), config).map_err(broken)?.without_rollouts();
     let folder = tempfile::tempdir().map_err(HarnessError::system("create a temporary folder"))?;
     let mut watch = Watch::new(folder.path(), products, student.updates_per_cycle);
     trainer.run(&mut watch).map_err(broken)?;

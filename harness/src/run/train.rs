@@ -46,6 +46,8 @@ pub struct Trainer {
     evaluation_pool: Option<Arc<Goals>>,
     streams: Streams,
     probing: Probing,
+    /// Whether the probe rollouts that the teacher asks for are played.
+    plays_rollouts: bool,
     /// Steps of the budget that were taken.
     step: u64,
     evaluations: u64,
@@ -96,6 +98,7 @@ impl Trainer {
             curriculum: method.build(own, &setting)?,
             streams: Streams::new(&seeds, key.seed),
             probing: Probing::new(entry.make(&options)?, key.seed, seeds),
+            plays_rollouts: true,
             env,
             evaluation_envs,
             pool,
@@ -112,6 +115,12 @@ impl Trainer {
     /// Steps of the budget that were taken so far.
     pub fn step(&self) -> u64 {
         self.step
+    }
+
+    /// The same run without the probe rollouts that its teacher asks for: what a cycle of training takes.
+    #[must_use]
+    pub fn without_rollouts(self) -> Self {
+        Self { plays_rollouts: false, ..self }
     }
 
     /// Takes up the state of an earlier process. Going on from there gives the same bytes as never having
@@ -213,7 +222,7 @@ impl Trainer {
             self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
         }
         let request = self.curriculum.request_rollouts(self.env.as_mut(), &mut self.streams.teacher)?;
-        if let Some(request) = request {
+        if let Some(request) = request.filter(|_| self.plays_rollouts) {
             self.probing.ask(request);
         }
         observer.spent(Stage::Teaching, laps.lap());

@@ -143,6 +143,12 @@ impl OfEvaluation for Record {
         if !(self.mean_return.is_finite() && self.mean_return <= 0.0) {
             return range("mean_return", self.mean_return, "a number of at most 0");
         }
+        if self.uncharged_steps > self.probe_steps {
+            return range("uncharged_steps", self.uncharged_steps, "at most probe_steps");
+        }
+        if self.probe_steps - self.uncharged_steps > self.step {
+            return range("probe_steps", self.probe_steps, "at most step, but for those that are not charged");
+        }
         let (name, value) = self.teacher.iter().find(|(_, value)| !value.is_number() && !value.is_null())?;
         range(&format!("teacher.{name}"), value, "a number or null")
     }

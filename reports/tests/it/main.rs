@@ -14,6 +14,7 @@ mod ledger;
 mod page;
 mod readings;
 mod report;
+mod rollouts;
 mod statistics;
 mod store;
 mod student;
