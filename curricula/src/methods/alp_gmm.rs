@@ -269,7 +269,7 @@ impl Method for AlpGmm {
     fn summary<'a>(&'a self, state: &'a AlpGmmState) -> TeacherSummary<'a> {
         let components = state.fitted.as_ref().map_or(0, |fitted| fitted.mixture.components.len());
         let mean = state.progress.iter().sum::<f64>() / state.progress.len() as f64;
-        let statistics = vec![("mixture_components", components as f64), ("progress_mean", mean)];
+        let statistics = vec![("mixture_components", components as f64), ("alp_mean", mean)];
         TeacherSummary { weights: None, statistics }
     }
 

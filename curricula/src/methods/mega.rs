@@ -1,5 +1,5 @@
 //! MEGA: ask for what has been achieved least often (Pitis, Chan, Zhao, Stadie and Ba, "Maximum Entropy Gain
-//! Exploration for Long Horizon Multi-goal Reinforcement Learning", ICML 2020, Algorithm 1).
+//! Exploration for Long Horizon Multi-goal Reinforcement Learning", ICML 2020).
 //!
 //! 100 goals that the student has achieved are drawn from its replay buffer. Those whose value from the start
 //! at hand is below a cutoff are left out, for the student may have been there by chance only. Of the others
@@ -70,7 +70,7 @@ pub struct MegaConfig {
     pub bandwidth: f64,
     /// The first cutoff, which is also the highest: the value that a goal must have.
     ///
-    /// Unit: return. Range: at most 0. Source: the authors' code.
+    /// Unit: return. Range: -1000 to 0. Source: the authors' code.
     pub cutoff: f64,
     /// Share of successes at which the cutoff falls.
     ///
@@ -112,8 +112,7 @@ impl MegaConfig {
         CurriculumError::require((1..=100_000).contains(&samples), "samples", "in 1..=100000", samples)?;
         let ok = (0.001..=1000.0).contains(&bandwidth);
         CurriculumError::require(ok, "bandwidth", "in [0.001, 1000]", bandwidth)?;
-        let ok = cutoff <= 0.0 && cutoff.is_finite();
-        CurriculumError::require(ok, "cutoff", "finite and at most 0", cutoff)?;
+        CurriculumError::require((-1000.0..=0.0).contains(&cutoff), "cutoff", "in [-1000, 0]", cutoff)?;
         CurriculumError::require((0.0..=1.0).contains(&easy), "easy", "in [0, 1]", easy)?;
         let ok = (0.0..=1.0).contains(&hard) && hard < easy;
         CurriculumError::require(ok, "hard", "in [0, 1] and below `easy`", hard)?;

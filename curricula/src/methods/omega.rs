@@ -1,6 +1,6 @@
 //! OMEGA: MEGA that comes to the environment's own goals as soon as the student has achieved their kind
 //! (Pitis, Chan, Zhao, Stadie and Ba, "Maximum Entropy Gain Exploration for Long Horizon Multi-goal
-//! Reinforcement Learning", ICML 2020, section 4.3).
+//! Reinforcement Learning", ICML 2020).
 //!
 //! With probability α = 1 / max(b + D, 1) the environment's own goal is kept ([`keep_probability`]),
 //! otherwise [`mega`](super::mega) chooses. D is the divergence of the goals that the environment asks for
@@ -42,7 +42,7 @@ use crate::state::PlainState;
 pub struct OmegaConfig {
     /// b, added to the divergence: with −3 all goals are the environment's own up to a divergence of 4.
     ///
-    /// Unit: nats. Range: any number. Source: the paper.
+    /// Unit: nats. Range: -1000 to 1000. Source: the paper.
     pub b: f64,
     /// Episodes after which α is renewed.
     ///
@@ -123,7 +123,7 @@ impl Method for Omega {
 
     fn check(config: &OmegaConfig) -> Result<(), CurriculumError> {
         let OmegaConfig { b, renewal, desired, ref mega } = *config;
-        CurriculumError::require(b.is_finite(), "b", "finite", b)?;
+        CurriculumError::require((-1000.0..=1000.0).contains(&b), "b", "in [-1000, 1000]", b)?;
         CurriculumError::require((1..=100_000).contains(&renewal), "renewal", "in 1..=100000", renewal)?;
         CurriculumError::require((1..=10_000).contains(&desired), "desired", "in 1..=10000", desired)?;
         mega.check()

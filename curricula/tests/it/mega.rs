@@ -38,7 +38,7 @@ fn goal(proposal: &curricula::Proposal) -> &[f64] {
 
 #[test]
 fn the_rarest_achieved_goal_is_asked_for() {
-    let mut places = spread(50, 0.1);
+    let mut places = spread(50, 0.005);
     places.push([0.9, 0.9]);
     let mut class = class("mega", "samples = 500", &places, |_, _| -1.0);
     let asked = (0..50).filter(|_| {
@@ -139,17 +139,18 @@ fn before_anything_is_achieved_goals_are_the_environments_own() {
 #[test]
 fn omega_keeps_the_environments_goals_as_often_as_the_divergence_says() {
     // Everywhere, in a part of the square, and in next to no part.
-    for (half, range) in [(1.0, 0.99..=1.0), (0.45, 0.02..=0.9), (0.01, 0.0..=0.02)] {
+    for (half, range) in [(1.0, 0.99..=1.0), (0.75, 0.15..=0.8), (0.01, 0.0..=0.02)] {
         let places = spread(400, half);
         let mut class = class("omega", "samples = 500\ndesired = 200", &places, |_, _| -1.0);
         let mut keep = 0.0;
         let own = (0..200).filter(|_| {
             let proposal = class.propose().unwrap();
             class.student.remembered.truncate(places.len());
-            keep += class.statistic("keep_probability") / 200.0;
+            keep += class.statistic("keep_probability");
             proposal.goal == ProposedGoal::Native
         });
         let own = own.count() as f64 / 200.0;
+        let keep = keep / 200.0;
         assert!(range.contains(&keep), "{half}: {keep}");
         // Three standard deviations of a share of 200.
         assert!((own - keep).abs() <= 3.0 * (0.25 / 200.0f64).sqrt(), "{half}: {own}, not {keep}");
