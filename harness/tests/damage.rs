@@ -305,7 +305,7 @@ fn a_lost_checkpoint_does_not_cost_the_records() {
     let again = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
     assert_eq!(again.status.code(), Some(1));
     assert!(
-        stderr(&again).contains("checkpoint.bin: is missing, though 5 evaluations"),
+        stderr(&again).contains("checkpoint.bin: is missing, though records of 5 evaluations exist"),
         "{}",
         stderr(&again)
     );
