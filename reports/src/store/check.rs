@@ -147,7 +147,11 @@ impl OfEvaluation for Record {
             return range("uncharged_steps", self.uncharged_steps, "at most probe_steps");
         }
         if self.probe_steps - self.uncharged_steps > self.step {
-            return range("probe_steps", self.probe_steps, "at most step, but for those that are not charged");
+            return range(
+                "probe_steps",
+                self.probe_steps,
+                "at most step, but for those that are not charged",
+            );
         }
         let (name, value) = self.teacher.iter().find(|(_, value)| !value.is_number() && !value.is_null())?;
         range(&format!("teacher.{name}"), value, "a number or null")
