@@ -61,9 +61,11 @@ impl Distribution {
         let mut probabilities = vec![0.0; n];
         for &(share, members) in groups {
             for &member in members {
-                probabilities[member] += share / total / members.len() as f64;
+                probabilities[member] += share / members.len() as f64;
             }
         }
+        // In the end, so that a goal that has all of the shares has exactly 1.
+        probabilities.iter_mut().for_each(|p| *p /= total);
         Self(probabilities)
     }
 

@@ -47,9 +47,10 @@ fn goals_that_were_intermediate_are_kept_and_others_are_tried_afresh() {
 
 #[test]
 fn neighbours_share_what_is_known() {
-    let mut class = Class::new("goid", "goals_per_region = 20\nwindow = 10", 40, |_, _| -10.0);
+    let config = "goals_per_region = 20\nwindow = 10\nearlier = 0.0\nfresh = 1.0";
+    let mut class = Class::new("goid", config, 40, |_, _| -10.0);
     class.mastery = |_, _| 0.5;
-    // Two regions of 20 goals each: after so few episodes most goals have not been tried at all.
+    // Two regions of 20 goals, each tried ten times: most goals have not been tried at all.
     class.cycles(20);
     assert_eq!([class.statistic("intermediate_goals"), class.statistic("earlier_goals")], [40.0, 40.0]);
     let scores: Vec<_> = (0..10).map(|_| class.propose().unwrap().score).collect();
