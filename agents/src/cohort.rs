@@ -21,10 +21,10 @@ pub struct CohortLane<'a> {
 /// depends on who its neighbours are.
 ///
 /// On the CPU every student learns as it would alone, to the byte, side by side with the others on the rayon
-/// pool that the calling thread belongs to, if it belongs to one. On a GPU their matrices are multiplied in batches, one product
-/// for all, while the pool draws the transitions of the coming gradient steps. There the cohort has a fixed
-/// width, whoever is missing, since the width decides in what order a product adds up: a student's bytes are
-/// the same in every cohort of that width.
+/// pool that the calling thread belongs to, if it belongs to one. On a GPU their matrices are multiplied in
+/// batches, one product for all, while the pool draws the transitions of the coming gradient steps. There the
+/// cohort has a fixed width, whoever is missing, since the width decides in what order a product adds up: a
+/// student's bytes are the same in every cohort of that width.
 ///
 /// ```
 /// use agents::{CohortLane, Episode, StudentConfig};
@@ -66,9 +66,9 @@ pub struct CohortLane<'a> {
 /// # }
 /// ```
 pub trait Cohort: Send {
-    /// One cycle's learning of every lane, as [`Agent::learn`]. What became of each is told in order; one that
-    /// diverged has disturbed no other; what libtorch refuses to do for all at once concerns all. Nothing waits
-    /// for a GPU within the cycle.
+    /// One cycle's learning of every lane, as [`Agent::learn`]. What became of each is told in order; one
+    /// that diverged has disturbed no other; what libtorch refuses to do for all at once concerns all.
+    /// Nothing waits for a GPU within the cycle.
     ///
     /// # Panics
     /// If the students are not of the kind that the cohort was made for, or differ in more than

@@ -197,9 +197,9 @@ impl TransitionInputs {
         Ok(())
     }
 
-    /// Lets `fill` write the transitions of each of `learners`, the first ones of the stack, for gradient step
-    /// `step` of a cycle, and sends them. It is called for all of them side by side, while another device may
-    /// still be busy with the steps before.
+    /// Lets `fill` write the transitions of each of `learners`, the first ones of the stack, for gradient
+    /// step `step` of a cycle, and sends them. It is called for all of them side by side, while another
+    /// device may still be busy with the steps before.
     pub(crate) fn fill_each<T: Send>(
         &mut self,
         step: usize,
@@ -227,8 +227,8 @@ impl TransitionInputs {
     }
 }
 
-/// How many batches may lie ready for a device at most, each in a place of its own. With this many, a cycle of
-/// the default 40 gradient steps never waits for one of them to be free.
+/// How many batches may lie ready for a device at most, each in a place of its own. With this many, a cycle
+/// of the default 40 gradient steps never waits for one of them to be free.
 const MOST_SLOTS: usize = 40;
 
 /// Where the n transitions of one learner are written.

@@ -76,8 +76,8 @@ impl Loss {
         })
     }
 
-    /// Of each of `losses`, every learner's number, or on the CPU the sum over all learners. A device is waited
-    /// for once.
+    /// Of each of `losses`, every learner's number, or on the CPU the sum over all learners. A device is
+    /// waited for once.
     pub(crate) fn read(losses: &[Self]) -> Result<Vec<Vec<f64>>, TchError> {
         let (mut known, mut awaited) = (Vec::new(), Vec::new());
         for loss in losses {

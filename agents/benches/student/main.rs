@@ -6,8 +6,8 @@
 //! - `precision/L x256/bf16 to f32`: a gradient step with products in bf16 as a multiple of one in singles
 //!   (at most 0.35 is wanted where the processor has AMX, 0.62 where it has AVX512-BF16; elsewhere it is
 //!   slower);
-//! - `lanes/8 to 8 alone`: a cycle of eight students in lockstep as a multiple of the cycles of eight students
-//!   alone, in turn, on one thread (at most 1.05 is wanted);
+//! - `lanes/8 to 8 alone`: a cycle of eight students in lockstep as a multiple of the cycles of eight
+//!   students alone, in turn, on one thread (at most 1.05 is wanted);
 //! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most
 //!   0.05);
 //! - `act/one observation` (at most 20 µs) and `confidence/1000 goals`: times.

@@ -34,8 +34,8 @@ pub(super) type Verdicts = Vec<Result<(), AgentError>>;
 /// step, then all take the next. A device is waited for at the end alone, so a student that diverges is found
 /// out there and takes its remaining steps in vain; it disturbs no other.
 ///
-/// `config` stands for all: they share whatever a gradient step depends on. Every replay buffer holds at least
-/// one episode.
+/// `config` stands for all: they share whatever a gradient step depends on. Every replay buffer holds at
+/// least one episode.
 ///
 /// # Errors
 /// If libtorch refuses, which concerns all of them.

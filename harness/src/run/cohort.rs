@@ -28,10 +28,10 @@ impl Lane for Borrowed<'_> {
     }
 }
 
-/// Trains all `lanes` to the ends of their budgets, or until their observers' checkpointers wish to stop. Each
-/// leaves with `ended` as soon as it comes to its end or breaks down, and the others go on. The rayon pool that
-/// the calling thread belongs to does the work, or the calling thread alone if it belongs to none; `ended` is
-/// called on the calling thread.
+/// Trains all `lanes` to the ends of their budgets, or until their observers' checkpointers wish to stop.
+/// Each leaves with `ended` as soon as it comes to its end or breaks down, and the others go on. The rayon
+/// pool that the calling thread belongs to does the work, or the calling thread alone if it belongs to none;
+/// `ended` is called on the calling thread.
 ///
 /// On a GPU the products of students are as wide as `width`, however many lanes are left
 /// ([`agents::Cohort`]).

@@ -2,10 +2,10 @@
 
 use super::job::Job;
 
-/// The cohorts of `jobs`, each as indices of its runs, in the order in which they are started. At most `lanes`
-/// runs share a worker; they are of one environment and their students' gradient steps are alike
-/// ([`agents::StudentConfig::in_lockstep`]). Curricula, variants, seeds and budgets may differ. A run that has
-/// ended is by itself.
+/// The cohorts of `jobs`, each as indices of its runs, in the order in which they are started. At most
+/// `lanes` runs share a worker; they are of one environment and their students' gradient steps are alike
+/// ([`agents::StudentConfig::in_lockstep`]). Curricula, variants, seeds and budgets may differ. A run that
+/// has ended is by itself.
 pub fn cohorts(jobs: &[Job], lanes: usize) -> Vec<Vec<usize>> {
     let mut cohorts: Vec<Vec<usize>> = Vec::new();
     for (index, job) in jobs.iter().enumerate() {

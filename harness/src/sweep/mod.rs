@@ -10,8 +10,8 @@
 //!    them to Slurm, whose tasks then carry out [their share](Prepared::for_task).
 //! 4. [`Endings`] says how every run came out, and which [`ExitCode`] follows.
 //!
-//! A [worker] is a process with one run, or with a [cohort] of runs in lockstep. It tells its sweep what happens as [events](event::Event), and a
-//! [`Reporter`] shows them.
+//! A [worker] is a process with one run, or with a [cohort] of runs in lockstep. It tells its sweep what
+//! happens as [events](event::Event), and a [`Reporter`] shows them.
 
 mod cell;
 pub mod cohort;

@@ -48,8 +48,8 @@ pub(super) enum Opened {
 }
 
 impl WorkerLane {
-    /// Takes the folder of lane `index`, and the run in it as of its checkpoint. Whoever else has it is waited
-    /// for until `patience` ends.
+    /// Takes the folder of lane `index`, and the run in it as of its checkpoint. Whoever else has it is
+    /// waited for until `patience` ends.
     pub(super) fn open(
         registry: &Registry,
         index: usize,
