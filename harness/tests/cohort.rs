@@ -6,6 +6,7 @@ mod support;
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -186,4 +187,54 @@ fn lanes_that_are_no_number_are_refused() {
             &["--lanes", "auto", "from 1 to 1000"],
         );
     }
+}
+
+/// A Slurm that takes job arrays and keeps what it was told.
+fn fake_slurm(folder: &Path) -> PathBuf {
+    let bin = folder.join("bin");
+    fs::create_dir(&bin).expect("it can be made");
+    let program = bin.join("sbatch");
+    fs::write(&program, "#!/bin/sh\necho \"$@\" >\"$(dirname \"$0\")/told\"\necho 17\n")
+        .expect("it can be written");
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("its mode can be set");
+    bin
+}
+
+/// Four runs in tasks of up to three in lockstep.
+#[test]
+fn a_task_of_a_job_array_carries_out_a_cohort() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (bin, out) = (fake_slurm(folder.path()), folder.path().join("out"));
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("UTF-8"));
+    let submit = |more: &[&str]| {
+        let more = [&["--executor", "slurm"], more].concat();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
+        command.args(support::toy_args(&out, &more)).env("PATH", &path).output().expect("the program starts")
+    };
+    let refusal = submit(&["--device", "cuda"]);
+    assert_eq!(refusal.status.code(), Some(2));
+    assert!(stderr(&refusal).contains("--lanes: give a number"), "{}", stderr(&refusal));
+    assert!(!out.exists());
+    let gpu = submit(&["--device", "cuda", "--lanes", "3"]);
+    assert!(stdout(&gpu).contains("submitted job 17 with 2 tasks"), "{}", stderr(&gpu));
+    let told = fs::read_to_string(bin.join("told")).expect("it was called");
+    for option in ["--array=0-1", "--cpus-per-task=3", "--gres=gpu:1"] {
+        assert!(told.contains(option), "{told}");
+    }
+
+    let out = folder.path().join("cpu");
+    let args = support::toy_args(&out, &["--executor", "slurm", "--lanes", "3"]);
+    let cpu = Command::new(env!("CARGO_BIN_EXE_goalbench")).args(&args).env("PATH", &path).output();
+    let cpu = cpu.expect("the program starts");
+    assert!(stdout(&cpu).contains("submitted job 17 with 2 tasks"), "{}", stderr(&cpu));
+    let told = fs::read_to_string(bin.join("told")).expect("it was called");
+    assert!(told.contains("--cpus-per-task=3") && !told.contains("--gres"), "{told}");
+    let list = out.join("slurm/1/tasks.json");
+    for task in ["0", "1"] {
+        let output = goalbench(&["task", list.to_str().expect("UTF-8"), task]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let local = folder.path().join("local");
+    support::toy(&local, &[]);
+    assert_same(&results(&out), &results(&local), "tasks of three lanes");
 }

@@ -8,7 +8,7 @@ use super::{Ddpg, DdpgCohort, state};
 use crate::agent::{Agent, Critic, Mode};
 use crate::cohort::{Cohort, CohortLane};
 use crate::config::StudentConfig;
-use crate::device::far_away;
+use crate::device::{far_away, under_test};
 use crate::episode::Episode;
 use crate::error::AgentError;
 use crate::precision::Precision;
@@ -89,7 +89,7 @@ fn beside(config: &StudentConfig, neighbours: [&[u64]; 4]) -> Vec<u8> {
 #[test]
 fn in_a_stack_a_student_does_not_depend_on_its_neighbours() {
     for precision in Precision::ALL {
-        let config = StudentConfig { precision, ..small() };
+        let config = StudentConfig { device: under_test(), precision, ..small() };
         far_away(|| {
             let alone = beside(&config, [&[], &[], &[], &[]]);
             assert!(alone == beside(&config, [&[0, 1, 2], &[0, 1, 2], &[0, 1, 2], &[0, 1, 2]]));
@@ -174,7 +174,7 @@ fn those_that_do_not_learn_yet_are_left_out() {
 #[test]
 fn a_state_loaded_into_a_stack_is_learned_from_and_acted_by() {
     far_away(|| {
-        let config = small();
+        let config = StudentConfig { device: under_test(), ..small() };
         let folder = tempfile::tempdir().unwrap();
         let mut runs = [7, 8].map(|seed| Run::new(&config, seed));
         let mut cohort = DdpgCohort::new(2);

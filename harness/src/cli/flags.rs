@@ -11,7 +11,7 @@ use crate::protocol::presets;
 /// `--jobs`.
 #[derive(clap::Args)]
 pub(super) struct JobsFlag {
-    /// Threads at work, one for each run unless --lanes puts several together [default: the number of cores]
+    /// Threads at work, one for each run at a time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     jobs: Option<u16>,
 }

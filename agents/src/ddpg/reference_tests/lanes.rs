@@ -1,11 +1,12 @@
 //! Several students in one stack against automatic differentiation, each for itself.
 
 use envs::rng::{Purpose, stream};
-use tch::{Device, Tensor};
+use tch::Tensor;
 
 use super::automatic::{Mlp, Reference, Transitions};
 use super::*;
 use crate::batch::Batch;
+use crate::device::under_test;
 use crate::losses::Loss;
 
 /// Transitions per student and step.
@@ -13,7 +14,7 @@ const N: usize = 24;
 /// Members of the stack that are nobody's.
 const IDLE: usize = 2;
 
-/// The products, sums and steps that a GPU would do for all students at once, on the CPU.
+/// The products, sums and steps that a GPU does for all students at once: on the CPU, unless there is one.
 #[test]
 fn students_in_one_stack_each_take_the_steps_of_automatic_differentiation() {
     for (lanes, precision, most) in [
@@ -37,7 +38,7 @@ struct Student {
 fn check(lanes: usize, precision: Precision, most: f64) {
     crate::prepare_thread();
     let rng = &mut stream(5, Purpose::Weights);
-    let arithmetic = Arithmetic { device: Device::Cpu, precision };
+    let arithmetic = Arithmetic { device: under_test().open().unwrap(), precision };
     let (dims, members) = (Dims::of(&SPEC), lanes + IDLE);
     let config = StudentConfig {
         batch: Auto::Value(N),
