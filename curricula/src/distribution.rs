@@ -64,6 +64,9 @@ impl Distribution {
                 probabilities[member] += share / total / members.len() as f64;
             }
         }
+        // Rounding may leave a little over, and the only goal there is must have it all.
+        let sum: f64 = probabilities.iter().sum();
+        probabilities.iter_mut().for_each(|p| *p /= sum);
         Self(probabilities)
     }
 
