@@ -238,3 +238,15 @@ fn a_task_of_a_job_array_carries_out_a_cohort() {
     support::toy(&local, &[]);
     assert_same(&results(&out), &results(&local), "tasks of three lanes");
 }
+
+/// Threads are made for runs, not for a number that somebody typed.
+#[test]
+fn far_more_jobs_than_runs_change_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for lanes in ["1", "3"] {
+        let args = ["--jobs", "65535", "--lanes", lanes, "--steps", "40"];
+        let output = goalbench(&support::toy_args(&folder.path().join(lanes), &args));
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    assert_same(&results(&folder.path().join("3")), &results(&folder.path().join("1")), "--lanes 3");
+}

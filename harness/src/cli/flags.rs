@@ -22,15 +22,10 @@ impl JobsFlag {
         self.jobs.is_some()
     }
 
-    /// Threads at work.
-    pub(super) fn threads(&self) -> usize {
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        self.jobs.map_or_else(cores, usize::from)
-    }
-
     /// How many of `runs` to carry out side by side: no more than there are, whatever number was asked for.
     pub(super) fn for_runs(&self, runs: usize) -> usize {
-        self.threads().min(runs.max(1))
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.jobs.map_or_else(cores, usize::from).min(runs.max(1))
     }
 }
 

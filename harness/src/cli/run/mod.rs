@@ -177,11 +177,11 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
         complain(&format!("goalbench: {note}"));
     }
     if args.dry_run {
-        return dry::dry_run(&plan, &sweep, &results, conduct(args, &lanes));
+        return dry::dry_run(&plan, &sweep, &results, conduct(args, &lanes, sweep.open().count()));
     }
     match args.executor {
         Executor::Local => {
-            local::limits::make_room(conduct(args, &lanes).workers.min(sweep.open().count()))?;
+            local::limits::make_room(conduct(args, &lanes, sweep.open().count()).workers)?;
             for line in sweep.slow_precisions(registry)? {
                 complain(&format!("goalbench: {line}"));
             }
@@ -199,7 +199,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     match args.executor {
         Executor::Local => {
-            let conduct = conduct(args, &lanes);
+            let conduct = conduct(args, &lanes, sweep.open().count());
             warn_of_memory(registry, &sweep, conduct);
             copy::save(&protocol, &results)?;
             carry_out(&sweep, args, conduct)
@@ -212,13 +212,15 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
 }
 
-/// How runs are carried out here.
-fn conduct(args: &Args, lanes: &Decided) -> Conduct {
-    let shared = Conduct::share(args.jobs.threads(), lanes.lanes);
+/// How `open` runs are carried out here.
+fn conduct(args: &Args, lanes: &Decided, open: usize) -> Conduct {
+    // No more threads than there are runs, whatever number was asked for.
+    let threads = args.jobs.for_runs(open);
+    let shared = Conduct::share(threads, lanes.lanes);
     let Args { retries, tensorboard, discard_replay, .. } = *args;
     let conduct = Conduct { retries, tensorboard, discard_replay, ..shared };
     // There is one GPU, and its cohort takes all the threads there are.
-    if lanes.gpu { Conduct { workers: 1, threads: args.jobs.threads(), ..conduct } } else { conduct }
+    if lanes.gpu { Conduct { workers: 1, threads, ..conduct } } else { conduct }
 }
 
 /// Says before it happens that runs may need more memory than there is.
