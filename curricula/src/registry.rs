@@ -31,6 +31,7 @@ pub const CURRICULA: &[Entry] = &[
     Entry::of::<methods::vds::Vds>(),
     Entry::of::<methods::space::Space>(),
     Entry::of::<methods::procurl::ProCurl>(),
+    Entry::of::<methods::process::Process>(),
 ];
 
 /// A row of the table: a [`Method`] behind functions that do not name its type.
@@ -48,6 +49,8 @@ pub struct Entry {
     pub look: Option<Look>,
     /// [`Method::USES_POOL`].
     pub uses_pool: bool,
+    /// [`Method::NEEDS`].
+    pub needs: Option<&'static str>,
     /// The complete default config: every field.
     pub defaults: fn() -> Table,
     /// [`Method::schema`].
@@ -77,6 +80,7 @@ impl Entry {
             version: M::VERSION,
             look: M::LOOK,
             uses_pool: M::USES_POOL,
+            needs: M::NEEDS,
             schema: M::schema,
             defaults: || table(&M::Config::default()),
             configure: |written| Ok(Box::new(Checked::<M>::new(written)?)),

@@ -5,6 +5,7 @@
 
 pub mod her_iid;
 pub mod her_iid_pool;
+pub mod process;
 pub mod procurl;
 pub mod space;
 pub mod teach;

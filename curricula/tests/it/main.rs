@@ -7,6 +7,7 @@ mod distribution;
 mod her_iid;
 mod looks;
 mod probe;
+mod process;
 mod procurl;
 mod registry;
 mod space;

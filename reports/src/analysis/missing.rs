@@ -191,8 +191,7 @@ fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<
 fn waiting<'a>(analysis: &Analysis<'a>) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     for run in analysis.store.runs().iter().filter(|run| run.records.is_empty()) {
-        let RunKey { environment, curriculum, variant, .. } = run.key();
-        let key = GroupKey::new(analysis.catalogue(), environment, curriculum, variant);
+        let key = GroupKey::of(analysis.catalogue(), run);
         match groups.iter_mut().find(|group| group.key == key) {
             Some(group) => group.runs.push(run),
             None => groups.push(Group { key, runs: vec![run] }),
