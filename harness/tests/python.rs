@@ -162,7 +162,8 @@ serve(Dying)";
                 assert!(reason.contains("ZeroDivisionError"), "{reason}");
             }
         }
-        assert!(read(&run, "worker.log").contains("left: 995"), "its words are kept");
+        let words = if seed == 1 { "left: 5\n" } else { "left: 995\n" };
+        assert!(read(&run, "worker.log").contains(words), "its words are kept");
     }
 }
 

@@ -24,14 +24,14 @@ impl Program {
         let import = "from goalbench_curriculum import NATIVE, Curriculum, Proposal, serve\n";
         let program = Self::raw(&format!("import os, sys, time, math, subprocess\n{import}{text}"));
         let helper = Path::new(HELPER).join("goalbench_curriculum.py");
-        std::fs::copy(helper, program.folder.path().join("goalbench_curriculum.py")).unwrap();
+        std::fs::copy(helper, program.folder.path().join("goalbench_curriculum.py")).expect("a copy");
         program
     }
 
     /// A program that speaks for itself.
     fn raw(text: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("teacher.py"), text).unwrap();
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("teacher.py"), text).expect("it can be written");
         Self { folder }
     }
 

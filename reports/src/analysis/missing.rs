@@ -9,7 +9,7 @@ use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
-use crate::schema::{Outcome, Record, RunKey};
+use crate::schema::{Outcome, Record};
 use crate::store::Run;
 
 /// Everything that a report lacks.

@@ -113,7 +113,8 @@ impl Conversation {
     fn talk(&mut self, message: &Message<'_>, deadline: Instant) -> Result<Answer, ProcessError> {
         let mut line = serde_json::to_vec(message).expect("a message is plain data");
         line.push(b'\n');
-        let mut pending = line.as_slice();
+        // What is left to say, and how much of what was heard holds no end of a line.
+        let (mut pending, mut searched) = (line.as_slice(), 0);
         self.listen().map_err(ProcessError::Talk)?;
         if !self.heard.is_empty() {
             return Err(ProcessError::Unasked { said: shown(&self.heard) });
@@ -122,8 +123,8 @@ impl Conversation {
             pending = self.say(pending).map_err(ProcessError::Talk)?;
             let goes_on = self.listen().map_err(ProcessError::Talk)?;
             self.overhear();
-            if let Some(end) = self.heard.iter().position(|&byte| byte == b'\n') {
-                let rest = self.heard.split_off(end + 1);
+            if let Some(end) = self.heard[searched..].iter().position(|&byte| byte == b'\n') {
+                let rest = self.heard.split_off(searched + end + 1);
                 if !rest.is_empty() || !pending.is_empty() {
                     let said = if rest.is_empty() { &self.heard } else { &rest };
                     return Err(ProcessError::Unasked { said: shown(said) });
@@ -131,7 +132,8 @@ impl Conversation {
                 let answer = std::mem::take(&mut self.heard);
                 return understand(message.name(), &answer);
             }
-            if self.heard.len() > LONGEST {
+            searched = self.heard.len();
+            if searched > LONGEST {
                 return Err(ProcessError::TooLong { message: message.name(), most: LONGEST });
             }
             if !goes_on || self.is_over() {
