@@ -49,6 +49,7 @@ pub struct CohortLane<'a> {
 ///         achieved: zeros(spec.horizon + 1, spec.goal),
 ///         actions: zeros(spec.horizon, spec.action),
 ///         goal: vec![0.5; spec.goal],
+///         total_reward: 0.0,
 ///         success: false,
 ///     };
 ///     student.observe(&episode, env.as_ref(), rng)?;

@@ -24,7 +24,7 @@
 //!     env.reset(&mut starts)?;
 //!     student.begin_episode();
 //!     let [mut states, mut achieved, mut actions] = [spec.state, spec.goal, spec.action].map(Rows::new);
-//!     let mut action = vec![0.0; spec.action];
+//!     let (mut action, mut total_reward) = (vec![0.0; spec.action], 0.0);
 //!     for _ in 0..spec.horizon {
 //!         states.push(&env.observation().state);
 //!         achieved.push(&env.observation().achieved);
@@ -32,11 +32,12 @@
 //!         student.act(env.observation(), env.goal(), mode, &mut action)?;
 //!         env.step(&action)?;
 //!         actions.push(&action);
+//!         total_reward += env.reward(&env.observation().achieved, env.goal());
 //!     }
 //!     states.push(&env.observation().state);
 //!     achieved.push(&env.observation().achieved);
 //!     let success = env.success(&env.observation().achieved, env.goal());
-//!     let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), success };
+//!     let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), total_reward, success };
 //!     student.observe(&episode, env.as_ref(), &mut replay)?;
 //! }
 //! student.learn(env.as_ref(), &mut replay)?;

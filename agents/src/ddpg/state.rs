@@ -151,7 +151,14 @@ mod tests {
                 achieved.push(&env.observation().achieved);
                 actions.push(&action);
             }
-            let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), success: false };
+            let episode = Episode {
+                states,
+                achieved,
+                actions,
+                goal: env.goal().to_vec(),
+                total_reward: 0.0,
+                success: false,
+            };
             agent.observe(&episode, env.as_ref(), replay).unwrap();
         }
     }

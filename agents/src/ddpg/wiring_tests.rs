@@ -40,7 +40,7 @@ pub(super) fn episode(number: u16) -> Episode {
             actions.push(&[0.1, -0.1]);
         }
     }
-    Episode { states, achieved, actions, goal: vec![-e, 0.0], success: false }
+    Episode { states, achieved, actions, goal: vec![-e, 0.0], total_reward: 0.0, success: false }
 }
 
 #[test]

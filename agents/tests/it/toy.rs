@@ -101,7 +101,7 @@ fn rollout(agent: &mut dyn Agent, env: &mut dyn GoalEnv, mut mode: Mode<'_>) -> 
     let mut achieved = Rows::with_capacity(spec.goal, spec.horizon + 1);
     let mut actions = Rows::with_capacity(spec.action, spec.horizon);
     let goal = env.goal().to_vec();
-    let mut action = vec![0.0; spec.action];
+    let (mut action, mut total_reward) = (vec![0.0; spec.action], 0.0);
     for _ in 0..spec.horizon {
         states.push(&env.observation().state);
         achieved.push(&env.observation().achieved);
@@ -112,9 +112,10 @@ fn rollout(agent: &mut dyn Agent, env: &mut dyn GoalEnv, mut mode: Mode<'_>) -> 
         agent.act(env.observation(), &goal, mode, &mut action)?;
         env.step(&action).unwrap();
         actions.push(&action);
+        total_reward += env.reward(&env.observation().achieved, &goal);
     }
     states.push(&env.observation().state);
     achieved.push(&env.observation().achieved);
     let success = env.success(&env.observation().achieved, &goal);
-    Ok(Episode { states, achieved, actions, goal, success })
+    Ok(Episode { states, achieved, actions, goal, total_reward, success })
 }

@@ -236,7 +236,7 @@ impl MegaState {
     }
 
     /// Its numbers.
-    pub(super) fn statistics(&self) -> Statistics {
+    pub(super) fn statistics(&self) -> Statistics<'_> {
         vec![("cutoff", self.cutoff), ("passed_share", self.passed), ("log_density", self.log_density)]
     }
 

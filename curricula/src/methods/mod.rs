@@ -12,6 +12,7 @@ pub mod lp;
 pub mod mega;
 pub mod omega;
 pub mod plr;
+pub mod process;
 pub mod procurl;
 pub mod sfl;
 pub mod space;

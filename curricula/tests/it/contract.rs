@@ -47,9 +47,14 @@ fn configs(entry: &Entry) -> &'static [&'static str] {
     }
 }
 
+/// Methods that teach with their defaults; `process`, which needs a program, has tests of its own.
+fn ready() -> impl Iterator<Item = &'static Entry> {
+    CURRICULA.iter().filter(|entry| entry.needs.is_none())
+}
+
 #[test]
 fn every_method_keeps_it_with_its_defaults() {
-    CURRICULA.iter().for_each(contract);
+    ready().for_each(contract);
 }
 
 #[test]
@@ -61,7 +66,7 @@ fn every_method_keeps_it_with_its_other_configs() {
 
 #[test]
 fn every_teacher_of_the_pool_shows_its_weights_and_every_number_is_defined_before_long() {
-    for entry in CURRICULA {
+    for entry in ready() {
         let config = match entry.id {
             "space" => "update_steps = 50",
             "hgg" => "goals = 2\nleast_motion = 0.0",

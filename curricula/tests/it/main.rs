@@ -13,6 +13,7 @@ mod lp;
 mod mega;
 mod plr;
 mod probe;
+mod process;
 mod procurl;
 mod registry;
 mod sfl;

@@ -236,6 +236,10 @@ fn read_curricula(written: Table, registry: &Registry, own: &CurriculumEntry) ->
         Some(Value::Table(table)) => complete(own, table)?,
         _ => complete(own, &Table::new())?,
     };
+    if let Some(field) = own.needs.filter(|field| own_table.get(*field) == (own.defaults)().get(*field)) {
+        let reason = format!("must be set: curriculum `{}` has no default for it", own.id);
+        return Err(field_error(&format!("curriculum.{}", own.id), field, &reason));
+    }
     Ok(Table::from_iter([(own.id.to_owned(), Value::Table(own_table))]))
 }
 
@@ -249,6 +253,16 @@ fn complete(entry: &CurriculumEntry, written: &Table) -> Result<Table, FieldErro
             other => field_error(&prefix, "", &other.to_string()),
         }
     })
+}
+
+/// The version of the curriculum with this id, as it teaches with `config`.
+///
+/// # Panics
+/// If `registry` lacks it, or `config` is another's: configs are checked when they are resolved.
+pub fn curriculum_version(registry: &Registry, id: &str, config: &RunConfig) -> String {
+    let entry = registry.curriculum(id).expect("names were checked when the protocol was read");
+    let own = config.curriculum.get(id).and_then(Value::as_table).cloned().unwrap_or_default();
+    (entry.configure)(own).expect("a resolved config is valid").version()
 }
 
 /// Larger counts than this are a slip of the keyboard and would exhaust the memory.

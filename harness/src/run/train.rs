@@ -331,6 +331,7 @@ impl Trainer {
         states.push(&start.state);
         achieved.push(&start.achieved);
         let (mut acting, mut stepping) = (Duration::ZERO, Duration::ZERO);
+        let mut total_reward = 0.0;
         for _ in 0..horizon {
             let mode = Mode::Explore(&mut self.streams.exploration);
             let mut laps = Laps::begin();
@@ -341,12 +342,13 @@ impl Trainer {
             states.push(&env.observation().state);
             achieved.push(&env.observation().achieved);
             actions.push(&action);
+            total_reward += env.reward(&env.observation().achieved, env.goal());
         }
         observer.spent(Stage::Acting, acting);
         observer.spent(Stage::Stepping, stepping);
         self.step += horizon as u64;
         let success = env.success(&env.observation().achieved, env.goal());
-        Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), success })
+        Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), total_reward, success })
     }
 
     fn evaluate(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {

@@ -70,7 +70,9 @@ fn lines<T: DeserializeOwned>(run: &Path, file: &str) -> Vec<T> {
 #[test]
 fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
     let registry = Registry::builtin();
-    let curricula: Vec<&str> = registry.curricula().iter().map(|entry| entry.id).collect();
+    // A curriculum that needs a program has tests of its own.
+    let ready = || registry.curricula().iter().filter(|entry| entry.needs.is_none());
+    let curricula: Vec<&str> = ready().map(|entry| entry.id).collect();
     assert!(curricula.len() >= 6, "the paper's five and the control: {curricula:?}");
     let folder = tempfile::tempdir().expect("a temporary folder");
     run_all(&curricula, folder.path());
@@ -81,7 +83,7 @@ fn every_environment_runs_with_every_curriculum_and_tells_what_it_taught() {
     for environment in environments {
         let space = GoalSpace::of(environment);
         let horizon = registry.environment(environment).expect("of the suite").spec.horizon as u64;
-        for entry in registry.curricula() {
+        for entry in ready() {
             let key = RunKey {
                 environment: (*environment).into(),
                 curriculum: entry.id.into(),

@@ -9,7 +9,7 @@ use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
-use crate::schema::{Outcome, Record, RunKey};
+use crate::schema::{Outcome, Record};
 use crate::store::Run;
 use crate::wording::counted;
 
@@ -196,8 +196,7 @@ fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<
 fn waiting<'a>(analysis: &Analysis<'a>) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     for run in analysis.store.runs().iter().filter(|run| run.records.is_empty()) {
-        let RunKey { environment, curriculum, variant, .. } = run.key();
-        let key = GroupKey::new(analysis.catalogue(), environment, curriculum, variant);
+        let key = GroupKey::of(analysis.catalogue(), run);
         match groups.iter_mut().find(|group| group.key == key) {
             Some(group) => group.runs.push(run),
             None => groups.push(Group { key, runs: vec![run] }),

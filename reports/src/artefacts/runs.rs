@@ -28,7 +28,7 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 fn progress<'a>(analysis: &'a Analysis<'_>) -> Vec<Column<'a, Run>> {
     let environment = |run: &Run| run.key().environment.clone();
     let variant = |run: &Run| run.key().variant.clone();
-    let title = |run: &Run| analysis.catalogue().title(&run.key().curriculum);
+    let title = |run: &Run| analysis.catalogue().method_of(&run.manifest).title.clone();
     vec![
         Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, environment)
             .named("Environment", environment),

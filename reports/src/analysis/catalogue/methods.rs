@@ -23,6 +23,11 @@ impl MethodInfo {
         Self { id: id.into(), title: title.into(), look, rank: usize::MAX }
     }
 
+    /// The same under the name that a user gave it.
+    pub(super) fn titled(&self, title: &str) -> Self {
+        Self { title: title.to_owned(), ..self.clone() }
+    }
+
     pub(super) fn ranked(self, rank: usize) -> Self {
         Self { rank, ..self }
     }
