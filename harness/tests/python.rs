@@ -72,7 +72,7 @@ fn the_example_teaches_what_its_twin_in_rust_does() {
     }
 }
 
-/// The example, in a program that kills goalbench's worker in its 30th episode, and leaves a child that stays.
+/// The example, in a program that kills goalbench's worker in its 30th episode and leaves a child that stays.
 const MURDEROUS: &str = r#"
 import os, signal, sys, time
 import goalbench_curriculum

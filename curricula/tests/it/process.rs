@@ -1,5 +1,5 @@
-//! A curriculum that is a program: it keeps the contract, its twin in Rust chooses the same, and programs that
-//! misbehave are told apart, ended, and leave nobody behind.
+//! A curriculum that is a program: it keeps the contract, and programs that misbehave are told apart, ended,
+//! and leave nobody behind.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

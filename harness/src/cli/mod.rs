@@ -88,8 +88,8 @@ enum Command {
     Profile(profile::Args),
     /// Print built-in protocols, to start one's own from
     Protocol(protocol::Args),
-    /// Explain a command, every config field (`help config`), curricula in Python (`help python`), or the JSON
-    /// that commands print (`help json`)
+    /// Explain a command, every config field (`help config`), curricula in Python (`help python`), or the
+    /// JSON that commands print (`help json`)
     Help(help::Args),
     /// Carry out the runs whose manifests lie in FOLDERS, in lockstep (what `run` starts for each cohort)
     #[command(hide = true)]
