@@ -72,6 +72,9 @@ fn accepts(registry: &Registry, path: &str, kind: Option<&str>, value: &str) -> 
     match path {
         _ if path.ends_with(".renewal") => set(format!("{}=initial", path.replace("renewal", "states"))),
         "student.episodes_per_cycle" => set("evaluation.every=1_000_000_000".to_owned()),
+        "curriculum.goid.highest" => set("curriculum.goid.lowest=0.0".to_owned()),
+        "curriculum.goid.earlier" => set("curriculum.goid.fresh=0.0005".to_owned()),
+        "curriculum.goid.lowest" => set("curriculum.goid.highest=1.0".to_owned()),
         "curriculum.sfl.candidates" => set("curriculum.sfl.kept=1".to_owned()),
         _ if path.starts_with("curriculum.process.") => set("curriculum.process.command=python".to_owned()),
         _ => {}

@@ -68,7 +68,7 @@ fn one_preset_has_every_curriculum_and_its_runs_of_the_papers_methods_are_the_pa
         Plan::new(&preset.protocol(&registry).expect(name), &registry).expect(name)
     };
     let (methods, paper) = (plan("methods"), plan("paper"));
-    for entry in registry.curricula() {
+    for entry in registry.curricula().iter().filter(|entry| entry.needs.is_none()) {
         let runs = methods.runs.iter().filter(|run| run.key.curriculum == entry.id).count();
         assert_eq!(runs, 11 * 7, "{}", entry.id);
     }

@@ -68,7 +68,7 @@ pub struct GoidConfig {
     pub goals_per_region: usize,
     /// Share of episodes whose goal has been of intermediate difficulty at some time.
     ///
-    /// Unit: none. Range: 0 to 1. Source: a choice; 1/3 in the authors' code.
+    /// Unit: none. Range: 0 to below 1. Source: a choice; 1/3 in the authors' code.
     pub earlier: f64,
     /// Share of episodes whose goal is tried afresh; together with `earlier` at most 1.
     ///
@@ -166,7 +166,7 @@ impl Method for Goid {
         CurriculumError::require((2..=100_000).contains(&window), "window", "in 2..=100000", window)?;
         let ok = goals_per_region >= 1;
         CurriculumError::require(ok, "goals_per_region", "at least 1", goals_per_region)?;
-        CurriculumError::require((0.0..=1.0).contains(&earlier), "earlier", "in [0, 1]", earlier)?;
+        CurriculumError::require((0.0..1.0).contains(&earlier), "earlier", "in [0, 1)", earlier)?;
         CurriculumError::require(fresh > 0.0 && fresh <= 1.0, "fresh", "in (0, 1]", fresh)?;
         let accepted = format!("at most 1 together with `earlier`, which is {earlier}");
         CurriculumError::require(earlier + fresh <= 1.0, "fresh", &accepted, fresh)

@@ -12,7 +12,9 @@ fn luma((red, green, blue): Rgb) -> f64 {
 fn methods_differ_in_colour_and_in_two_of_dash_marker_and_grey() {
     let looks: Vec<(&str, Look)> =
         CURRICULA.iter().filter_map(|entry| Some((entry.id, entry.look?))).collect();
-    assert_eq!(looks.len(), CURRICULA.len(), "every method here has a look");
+    // A program of the user's own looks as the report chooses.
+    let methods = CURRICULA.iter().filter(|entry| entry.needs.is_none()).count();
+    assert_eq!(looks.len(), methods, "every method here has a look");
     for (i, (a, of_a)) in looks.iter().enumerate() {
         for (b, of_b) in &looks[i + 1..] {
             let [ours, theirs] = [of_a, of_b].map(|look| <[u8; 3]>::from(look.colour));
