@@ -74,11 +74,11 @@ pub struct MegaConfig {
     pub cutoff: f64,
     /// Share of successes at which the cutoff falls.
     ///
-    /// Unit: none. Range: 0 to 1. Source: the authors' code.
+    /// Unit: none. Range: above 0 to 1. Source: the authors' code.
     pub easy: f64,
     /// Share of successes at which the cutoff rises; below `easy`.
     ///
-    /// Unit: none. Range: 0 to 1. Source: the authors' code.
+    /// Unit: none. Range: 0 to below 1. Source: the authors' code.
     pub hard: f64,
     /// Episodes that successes are counted over.
     ///
@@ -113,9 +113,9 @@ impl MegaConfig {
         let ok = (0.001..=1000.0).contains(&bandwidth);
         CurriculumError::require(ok, "bandwidth", "in [0.001, 1000]", bandwidth)?;
         CurriculumError::require((-1000.0..=0.0).contains(&cutoff), "cutoff", "in [-1000, 0]", cutoff)?;
-        CurriculumError::require((0.0..=1.0).contains(&easy), "easy", "in [0, 1]", easy)?;
-        let ok = (0.0..=1.0).contains(&hard) && hard < easy;
-        CurriculumError::require(ok, "hard", "in [0, 1] and below `easy`", hard)?;
+        CurriculumError::require(easy > 0.0 && easy <= 1.0, "easy", "in (0, 1]", easy)?;
+        let ok = (0.0..1.0).contains(&hard) && hard < easy;
+        CurriculumError::require(ok, "hard", "in [0, 1) and below `easy`", hard)?;
         CurriculumError::require((1..=10_000).contains(&episodes), "episodes", "in 1..=10000", episodes)
     }
 }
