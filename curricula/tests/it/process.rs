@@ -261,6 +261,9 @@ if os.fork() == 0:
     stay("child")
     time.sleep(600)
 stay("parent")
+child = os.path.join(here, "child")
+while not (os.path.exists(child) and os.path.getsize(child)):
+    time.sleep(0.01)
 "#;
 
 #[test]
