@@ -3,8 +3,9 @@
 //!
 //! 100 goals that the student has achieved are drawn from its replay buffer. Those whose value from the start
 //! at hand is below a cutoff are left out, for the student may have been there by chance only. Of the others
-//! the one is asked for where the density of achieved goals is lowest ([`KernelDensity`]). The cutoff falls
-//! by 1 when goals are mostly reached and rises by 1 when they mostly are not ([`next_cutoff`]).
+//! the one is asked for where the density of achieved goals is lowest
+//! ([`KernelDensity`](crate::KernelDensity)). The cutoff falls by 1 when goals are mostly reached and rises
+//! by 1 when they mostly are not ([`next_cutoff`]).
 //!
 //! # Deviations and choices
 //! The authors' code is `spitis/mrl` (commit 249d652, `mrl/modules/curiosity.py` and

@@ -1,6 +1,6 @@
 //! What a run does in a turn: a cycle of episodes towards the teacher's goals and the learning from them, or
 //! some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
-//! [`cohort`](super::cohort) goes through the cycles.
+//! [`cohort`] goes through the cycles.
 
 use std::ops::ControlFlow;
 use std::path::Path;

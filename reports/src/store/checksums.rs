@@ -113,7 +113,7 @@ pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(),
 /// them: whoever shows times checks this, and goes on without the times.
 ///
 /// # Errors
-/// As [`check_files`]. Old versions noted no checksum of timings: those pass.
+/// As `check_files`. Old versions noted no checksum of timings: those pass.
 pub fn check_timings(folder: &RunFolder) -> Result<(), StoreError> {
     noted(folder)?.check_if_noted(folder, layout::TIMING)
 }

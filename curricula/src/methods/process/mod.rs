@@ -9,7 +9,7 @@
 //! - The program gets the key of the teacher's own stream. What goalbench draws on its behalf (fresh goals,
 //!   states from replay) comes from another stream of that key.
 //! - Its whole state is a text of its own, which goalbench keeps in checkpoints and does not look into.
-//! - A program never outlives its run: see [`conversation`].
+//! - A program never outlives its run: see `conversation`.
 
 mod answers;
 mod command;
