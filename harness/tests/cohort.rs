@@ -8,11 +8,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::Duration;
 
 use reports::store::{Results, layout};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
+use support::children::{results, signal, start, workers};
 use support::{goalbench, stderr, stdout, write_protocol};
 
 /// Twelve runs that keep step, of all kinds of teachers: three variants, of which one has runs of half the
@@ -42,20 +43,6 @@ label = 'broken'
 curricula = ['vds']
 set = { curriculum = { vds = { learning_rate = 1e39 } } }
 ";
-
-/// What every run recorded, the clock apart, by path.
-fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let files = runs.iter().flat_map(|run| {
-        [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME].map(|name| run.file(name))
-    });
-    files
-        .map(|path| {
-            let bytes = fs::read(&path).expect("every run has ended");
-            (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
-        })
-        .collect()
-}
 
 /// The arguments of the protocol at `protocol` into `out`.
 fn args<'a>(protocol: &'a str, out: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
@@ -100,23 +87,6 @@ fn lanes_record_what_runs_alone_record() {
         assert!(said.contains(&format!("12 to do, {at_a_time} at a time")), "{said}");
         assert_same(&results(&together), &expected, &format!("--lanes {lanes} --jobs {jobs}"));
     }
-}
-
-fn start(args: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
-    command.args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
-}
-
-fn signal(process: u32, signal: Signal) {
-    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process id");
-    // It may have ended by itself.
-    let _ = kill_process(pid, signal);
-}
-
-fn workers(parent: u32) -> Vec<u32> {
-    let text =
-        Command::new("ps").args(["-o", "pid=", "--ppid", &parent.to_string()]).output().expect("ps runs");
-    String::from_utf8_lossy(&text.stdout).split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
 }
 
 /// Workers are killed, then sweeps, then one is stopped by a signal; each time the runs go on in other

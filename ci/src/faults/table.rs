@@ -114,14 +114,6 @@ pub(crate) static FAULTS: &[Fault] = &[
         shows: true,
     },
     Fault {
-        name: "lp-blind",
-        title: "LP compares the newer half of the episodes with itself",
-        file: "curricula/src/history.rs",
-        original: "share(newest_first().skip(half).take(half))",
-        faulty: "share(newest_first().take(half))",
-        shows: true,
-    },
-    Fault {
         name: "actor-sign",
         title: "the actor descends the critic's value",
         file: "agents/src/losses.rs",

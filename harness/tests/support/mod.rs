@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs of these")]
 
+pub(crate) mod children;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
