@@ -42,7 +42,7 @@ pub struct Tally {
 
 impl Tally {
     /// Counts further episodes.
-    fn add(&mut self, Group { now, ever, total_return }: &Group) {
+    fn add(&mut self, PlayedGroup { now, ever, total_return }: &PlayedGroup) {
         let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
         self.successes += count(now);
         self.any_successes += count(ever);
@@ -120,7 +120,7 @@ pub fn tally(
 }
 
 /// What episodes that were played in lockstep came to.
-pub(super) struct Group {
+pub(super) struct PlayedGroup {
     /// Whether each was successful at its last step, `[episodes]`.
     pub(super) now: Vec<bool>,
     /// Whether each was successful after at least one of its steps, `[episodes]`.
@@ -136,7 +136,7 @@ pub(super) struct Group {
 ///
 /// # Panics
 /// If `envs` is empty.
-pub(super) fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic) -> Result<Group, RunError> {
+pub(super) fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic) -> Result<PlayedGroup, RunError> {
     let spec = envs[0].spec().clone();
     let (mut states, mut goals) = (Rows::new(spec.state), Rows::new(spec.goal));
     envs.iter().for_each(|env| goals.push(env.goal()));
@@ -154,7 +154,7 @@ pub(super) fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic) -> R
             ever[index] |= now[index];
         }
     }
-    Ok(Group { now, ever, total_return })
+    Ok(PlayedGroup { now, ever, total_return })
 }
 
 /// What a student's diagnosis leaves in the records of the evaluation `eval_index`, at this training step.
