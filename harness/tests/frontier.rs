@@ -154,13 +154,17 @@ fn the_last_measure_is_what_an_independent_count_finds() {
         "--seeds",
         "0",
         "--steps",
-        "3000",
+        "6000",
         "--set",
         "evaluation.every=1500",
         "--set",
-        "pool.size=40",
+        "pool.size=150",
         "--set",
-        "student.updates_per_cycle=20",
+        "student.batch=64",
+        "--set",
+        "student.width=32",
+        "--set",
+        "student.updates_per_cycle=40",
     ];
     toy(
         folder.path(),
@@ -176,7 +180,7 @@ fn the_last_measure_is_what_an_independent_count_finds() {
     let policy = Policy::read(&registry, run.path()).expect("the run saved its policy");
     let mut env = policy.environment(&registry).expect("a maze");
     let mut student = policy.student(env.spec()).expect("the trained student");
-    let pool = draw_pool(env.as_mut(), 40, &mut stream(0, Purpose::Pool)).expect("a pool");
+    let pool = draw_pool(env.as_mut(), 150, &mut stream(0, Purpose::Pool)).expect("a pool");
     let mut rng = stream(0, Purpose::Frontier(last.eval_index));
     let counted: Vec<u64> =
         pool.iter().map(|goal| count(env.as_mut(), student.as_mut(), goal, 3, &mut rng)).collect();
