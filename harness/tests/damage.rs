@@ -142,6 +142,8 @@ fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
         (layout::RECORDS, Some(300)),
         (layout::TEACHING, Some(0)),
         (layout::TEACHING, None),
+        (layout::STUDENT, Some(0)),
+        (layout::STUDENT, None),
         (segment, Some(0)),
         (segment, Some(1000)),
         (segment, None),

@@ -7,6 +7,7 @@
 mod cause;
 pub mod count;
 pub mod fit;
+pub mod frontier;
 pub mod layer;
 pub mod notes;
 pub mod reference;
@@ -28,6 +29,7 @@ use toml::{Table, Value};
 use crate::Registry;
 use crate::error::HarnessError;
 use fit::fit;
+use frontier::FrontierOptions;
 use layer::{ConfigLayer, merge};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
@@ -40,6 +42,10 @@ pub struct RunConfig {
     pub budget: Budget,
     /// How to measure.
     pub evaluation: Evaluation,
+    /// Measures of the student's success at every goal of the pool.
+    // At its default it leaves no trace in manifests: runs keep the hashes that they had before this table.
+    #[serde(default, skip_serializing_if = "FrontierOptions::is_default")]
+    pub frontier: FrontierOptions,
     /// Physics options of MuJoCo environments.
     pub physics: PhysicsOptions,
     /// The pool of candidate goals.
@@ -131,6 +137,7 @@ impl Default for Pool {
 struct PartialConfig {
     budget: PartialBudget,
     evaluation: PartialEvaluation,
+    frontier: FrontierOptions,
     physics: PhysicsOptions,
     pool: Pool,
     seed: StreamSeeds,
@@ -159,7 +166,8 @@ impl Default for PartialEvaluation {
 }
 
 /// The names of the config's top-level tables.
-pub const SECTIONS: [&str; 7] = ["budget", "evaluation", "physics", "pool", "seed", "student", "curriculum"];
+pub const SECTIONS: [&str; 8] =
+    ["budget", "evaluation", "frontier", "physics", "pool", "seed", "student", "curriculum"];
 
 /// Puts the config of one run together from `layers`, low to high.
 ///
@@ -199,6 +207,7 @@ fn try_resolve(
             episodes: written.evaluation.episodes,
             goals: written.evaluation.goals,
         },
+        frontier: written.frontier,
         physics: written.physics,
         pool: written.pool,
         seed: written.seed,
@@ -279,6 +288,7 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let sizes = [
         ("budget.steps", config.budget.steps, MOST_STEPS),
         ("evaluation.episodes", config.evaluation.episodes, MOST),
+        ("frontier.episodes", config.frontier.episodes, MOST),
         ("pool.size", config.pool.size as u64, MOST),
     ];
     for (path, value, most) in sizes {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Speed;
 use crate::Registry;
 use crate::config::RunConfig;
+use crate::config::frontier::FrontierOptions;
 use crate::error::{HarnessError, chain};
 use crate::run::error::RunError;
 use crate::run::manifest;
@@ -79,6 +80,8 @@ fn measure(registry: &Registry, run: RunKey, mut config: RunConfig) -> Result<Sp
     config.budget.steps = CYCLES * cycle;
     config.evaluation.every = config.budget.steps;
     config.evaluation.episodes = EPISODES;
+    // Its episodes cost what those of evaluations do.
+    config.frontier = FrontierOptions::default();
     // Nothing is learned in the warm-up, which is soon over; learning is what takes time.
     config.student.warmup_episodes = 0;
     let updates = config.student.updates_per_cycle;

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::config::RunConfig;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
 use crate::run::manifest::manifest;
@@ -25,10 +26,14 @@ pub struct Speed {
 }
 
 impl Speed {
-    /// Seconds that a run of `steps` training steps takes, evaluated before it and every `every` steps.
-    pub fn of_run(&self, steps: u64, every: u64, episodes: u64) -> f64 {
-        let evaluations = 1 + steps.div_ceil(every.max(1));
-        self.per_step * steps as f64 + self.per_episode * (evaluations * episodes) as f64
+    /// Seconds that a run takes: its training steps, and the episodes of its evaluations, of which one comes
+    /// before training, and of its measures of the frontier.
+    pub fn of_run(&self, config: &RunConfig) -> f64 {
+        let RunConfig { budget, evaluation, frontier, pool, .. } = config;
+        let evaluations = budget.steps.div_ceil(evaluation.every.max(1));
+        let episodes = (1 + evaluations) * evaluation.episodes;
+        let measured = frontier.all_episodes(evaluations, pool.size as u64);
+        self.per_step * budget.steps as f64 + self.per_episode * (episodes as f64 + measured as f64)
     }
 
     /// The mean of several; `None` of none.
@@ -102,8 +107,7 @@ impl Estimates {
             .or_else(|| like(&same_environment))
             .or_else(|| like(&same_curriculum))
             .or_else(|| like(&|_| true))?;
-        let config = &run.config;
-        Some(speed.of_run(config.budget.steps, config.evaluation.every, config.evaluation.episodes))
+        Some(speed.of_run(&run.config))
     }
 }
 
@@ -130,6 +134,7 @@ fn in_order(runs: &[PlannedRun]) -> Vec<(Kind, &PlannedRun)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::frontier::FrontierOptions;
 
     /// A run of an environment and a curriculum with a student of this width.
     fn planned(environment: &str, curriculum: &str, width: usize) -> PlannedRun {
@@ -186,10 +191,20 @@ mod tests {
     #[test]
     fn a_run_costs_its_steps_and_its_evaluations() {
         let speed = Speed { per_step: 0.001, per_episode: 0.1 };
+        let mut config = planned("Point", "teach", 8).config;
+        config.budget.steps = 1000;
+        config.evaluation.every = 300;
+        config.evaluation.episodes = 20;
         // 1000 steps: 1 s. Evaluated at 0, 300, 600, 900 and at the end, 20 episodes each: 5 · 20 · 0.1 = 10
         // s.
-        assert!((speed.of_run(1000, 300, 20) - 11.0).abs() < 1e-12);
+        assert!((speed.of_run(&config) - 11.0).abs() < 1e-12);
+        // Three episodes for each of 50 goals, measured at 0, 900 and the end: 3 · 50 · 3 · 0.1 = 45 s.
+        config.pool.size = 50;
+        config.frontier = FrontierOptions { every: 3, episodes: 3 };
+        assert!((speed.of_run(&config) - 56.0).abs() < 1e-12);
         // The last evaluation falls on the end: 0, 500, 1000.
-        assert!((speed.of_run(1000, 500, 20) - 7.0).abs() < 1e-12);
+        config.frontier = FrontierOptions::default();
+        config.evaluation.every = 500;
+        assert!((speed.of_run(&config) - 7.0).abs() < 1e-12);
     }
 }

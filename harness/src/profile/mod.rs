@@ -14,6 +14,7 @@ use agents::{ProductRates, Products};
 pub use costs::{CostPart, Costs, Memory, RunProfile, Size};
 
 use crate::Registry;
+use crate::config::frontier::FrontierOptions;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
 use crate::run::error::RunError;
@@ -42,6 +43,7 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Run
     let mut config = run.config.clone();
     config.budget.steps = size.steps;
     config.evaluation.every = size.steps;
+    config.frontier = FrontierOptions::default();
     // Nothing is learned in a warm-up; what is measured here comes after it.
     config.student.warmup_episodes = 0;
 

@@ -6,6 +6,7 @@ pub mod cohort;
 pub mod error;
 pub mod evaluate;
 pub mod folder;
+mod frontier;
 pub mod lock;
 pub mod manifest;
 pub mod observer;

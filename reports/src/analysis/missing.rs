@@ -30,6 +30,7 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     lacking.extend(heat_maps(analysis));
     lacking.extend(goal_maps(analysis));
     lacking.extend(diagnoses(analysis));
+    lacking.extend(measures(analysis));
     lacking.extend(any_success(&groups.all));
     lacking.extend(picks(&groups.all));
     lacking.extend(timings(analysis));
@@ -109,6 +110,19 @@ fn diagnoses(analysis: &Analysis<'_>) -> Option<String> {
             counted(runs.len(), "run")
         )
     })
+}
+
+/// Methods and variants without a measure of the frontier, where others have some.
+fn measures(analysis: &Analysis<'_>) -> Vec<String> {
+    if analysis.frontier.measures.is_empty() {
+        return Vec::new();
+    }
+    let is_silent =
+        |group: &&Group<'_>| group.runs.iter().all(|run| analysis.frontier.of_run(run).is_empty());
+    let silent = analysis.groups.all.iter().filter(is_silent);
+    silent
+        .map(|group| format!("{}: {}: no measure of the frontier", group.key.environment, group.key.name()))
+        .collect()
 }
 
 /// What timings do not tell.

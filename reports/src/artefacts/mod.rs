@@ -9,10 +9,12 @@ mod aggregates;
 mod columns;
 mod comparisons;
 mod costs;
+mod coverage;
 mod deviations;
 mod efficiency;
 mod environments;
 mod files;
+mod frontier;
 mod goal_map;
 mod heading;
 mod heat;
@@ -49,6 +51,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     records::ROW,
     runs::ROW,
     student::ROW,
+    frontier::MEASURES,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -57,6 +60,8 @@ pub static ARTEFACTS: &[Artefact] = &[
     variant_settings::ROW,
     costs::ROW,
     teaching::ROW,
+    frontier::ROW,
+    coverage::ROW,
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
     readings::ROW,
@@ -69,6 +74,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     variants::ROW,
     heat::ROW,
     goal_map::ROW,
+    frontier::MAPS,
     student::FIGURES,
     numbers::TEACHERS,
     comparisons::ROW,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::limits::{self, Limits};
 use super::load::Loader;
 use super::run_folder::JsonLine;
-use crate::schema::{Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
 use crate::store::problem::Fault;
 use crate::wording::counted_u64;
@@ -73,6 +73,11 @@ pub(super) fn timings(
 /// How the student's learning stood beside `records`, as far as it can be used, by rising evaluation.
 pub(super) fn learning(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Learning> {
     beside(loader, manifest, records, |line: &Learning| line.step)
+}
+
+/// The success at every goal of the pool beside `records`, as far as it can be used, by rising evaluation.
+pub(super) fn frontier(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Frontier> {
+    beside(loader, manifest, records, |line: &Frontier| line.step)
 }
 
 /// What the teacher did before `records`, as far as it can be used, by rising evaluation.
@@ -245,6 +250,50 @@ impl OfEvaluation for Learning {
     }
 }
 
+impl OfEvaluation for Frontier {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
+    }
+
+    fn misfit(&self, _: &RunKey, limits: &Limits) -> Option<Fault> {
+        let Self { episodes, ref successes, ref goals, ref weights, .. } = *self;
+        if episodes == 0 {
+            return range("episodes", 0, "at least 1");
+        }
+        if limits.frontier_episodes.is_some_and(|expected| expected != episodes) {
+            return range("episodes", episodes, "as many as the config says");
+        }
+        let size = limits.goals.unwrap_or(successes.len() as u64);
+        if successes.is_empty() || successes.len() as u64 != size {
+            return range(
+                "successes",
+                format!("{} long", successes.len()),
+                "an entry for every goal of the pool",
+            );
+        }
+        if let Some(count) = successes.iter().find(|count| **count > episodes) {
+            return range("successes", count, "at most as many as episodes");
+        }
+        let lengths = [("goals", goals.as_ref().map(Vec::len)), ("weights", weights.as_ref().map(Vec::len))];
+        let mut given = lengths.into_iter().filter_map(|(field, length)| Some((field, length?)));
+        if let Some((field, length)) = given.find(|(_, length)| *length != successes.len()) {
+            return range(field, format!("{length} long"), "as many entries as successes");
+        }
+        if let Some(fault) = goals.as_deref().and_then(unsound_goal) {
+            return Some(fault);
+        }
+        let weight = weights.iter().flatten().find(|weight| !(0.0..=1.0).contains(*weight))?;
+        range("weights", weight, "numbers in [0, 1]")
+    }
+}
+
+/// The first of `goals` that is none.
+fn unsound_goal(goals: &[Vec<f32>]) -> Option<Fault> {
+    let sound = |goal: &&Vec<f32>| goal.len() == goals[0].len() && goal.iter().all(|x| x.is_finite());
+    let goal = goals.iter().find(|goal| !sound(goal))?;
+    range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length")
+}
+
 impl OfEvaluation for Teaching {
     fn eval_index(&self) -> u64 {
         self.eval_index
@@ -262,9 +311,8 @@ impl OfEvaluation for Teaching {
         if let Some((field, length)) = given.find(|(_, length)| *length != goals.len()) {
             return range(field, format!("{length} long"), "as many entries as goals");
         }
-        let sound = |goal: &Vec<f32>| goal.len() == goals[0].len() && goal.iter().all(|x| x.is_finite());
-        if let Some(goal) = goals.iter().find(|goal| !sound(goal)) {
-            return range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length");
+        if let Some(fault) = unsound_goal(goals) {
+            return Some(fault);
         }
         let weights = weights.as_deref()?;
         if let Some(weight) = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight)) {

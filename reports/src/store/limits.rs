@@ -10,6 +10,10 @@ pub(super) struct Limits {
     pub(super) budget: Option<u64>,
     /// Episodes of every evaluation.
     pub(super) episodes: Option<u64>,
+    /// Goals in the pool.
+    pub(super) goals: Option<u64>,
+    /// Episodes towards each goal in a measure of the frontier.
+    pub(super) frontier_episodes: Option<u64>,
     /// Gradient steps of a cycle, which is one training step at least.
     updates: Option<u64>,
 }
@@ -20,6 +24,8 @@ impl Limits {
         Self {
             budget: number("/budget/steps"),
             episodes: number("/evaluation/episodes"),
+            goals: number("/pool/size"),
+            frontier_episodes: number("/frontier/episodes"),
             updates: number("/student/updates_per_cycle"),
         }
     }

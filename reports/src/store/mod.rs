@@ -11,6 +11,7 @@ pub mod checksums;
 pub mod digest;
 mod ended;
 mod error;
+mod frontier;
 pub mod layout;
 mod limits;
 mod lines;
@@ -29,6 +30,7 @@ use rayon::prelude::*;
 
 pub use ended::check_ended;
 pub use error::StoreError;
+pub use frontier::frontier;
 pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use student::learning;

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use super::error::StoreError;
 use super::layout::{self, Lives};
 use super::{digest, lines};
-use crate::schema::{Crash, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 
 /// A value of which a file of a run's folder has one per line.
 pub trait JsonLine: DeserializeOwned {
@@ -33,6 +33,11 @@ impl JsonLine for Teaching {
 impl JsonLine for Learning {
     const FILE: &'static str = layout::STUDENT;
     const NAME: &'static str = "diagnosis of the student";
+}
+
+impl JsonLine for Frontier {
+    const FILE: &'static str = layout::FRONTIER;
+    const NAME: &'static str = "measure of the frontier";
 }
 
 impl JsonLine for Timing {
@@ -161,6 +166,14 @@ impl RunFolder {
     /// # Errors
     /// [`StoreError`] naming the first line that is not what the schema says.
     pub fn learning(&self) -> Result<Vec<Learning>, StoreError> {
+        self.lines()
+    }
+
+    /// Its student's success at every goal of the pool, `[measures]`; none where none was asked for.
+    ///
+    /// # Errors
+    /// [`StoreError`] naming the first line that is not what the schema says.
+    pub fn frontier(&self) -> Result<Vec<Frontier>, StoreError> {
         self.lines()
     }
 

@@ -9,6 +9,7 @@ mod efficiency;
 mod families;
 mod figures;
 mod footer;
+mod frontier;
 mod latex;
 mod ledger;
 mod page;

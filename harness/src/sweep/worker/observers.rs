@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Learning, Outcome, Record, Teaching};
+use reports::schema::{Frontier, Learning, Outcome, Record, Teaching};
 
 use crate::run::checkpoint::{self, Checkpoint, REPLAY};
 use crate::run::folder::{Extent, Recorder};
@@ -58,6 +58,10 @@ impl Observer for LaneObserver {
         self.telling.record(record, teaching, learning)
     }
 
+    fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
+        self.recording.measured(frontier)
+    }
+
     fn cycle(&mut self, step: u64) -> std::io::Result<()> {
         self.telling.cycle(step)
     }
@@ -107,6 +111,10 @@ impl Observer for RecordObserver {
 
     fn record(&mut self, record: &Record, teaching: &Teaching, learning: &Learning) -> std::io::Result<()> {
         self.recorder.record(record, teaching, learning)
+    }
+
+    fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
+        self.recorder.measured(frontier)
     }
 
     fn checkpointer(&mut self) -> Option<&mut dyn Checkpointer> {

@@ -2,21 +2,23 @@
 //! some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
 //! [`cohort`] goes through the cycles.
 
+mod measure;
+
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use agents::{Agent, AgentError, Cohort, CohortLane, Episode, Mode};
-use curricula::{Curriculum, Lesson, ProposedGoal, Setting, TeacherSummary};
+use curricula::{Curriculum, Lesson, ProposedGoal, Setting};
 use envs::rng::Purpose;
 use envs::{GoalEnv, Goals, Rows, draw_pool};
-use reports::schema::{Learning, Record, RunKey, Teaching};
-use serde_json::{Map, Value};
+use reports::schema::{RunKey, Teaching};
 
 use super::cohort;
 use super::error::RunError;
-use super::evaluate::{LOCKSTEP, evaluate, learning};
+use super::evaluate::LOCKSTEP;
+use super::frontier::FrontierTruth;
 use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
 use super::probing::{Played, Probing};
@@ -54,6 +56,8 @@ pub struct Trainer {
     pool: Arc<Goals>,
     /// The goals of evaluations, where they come from a pool.
     evaluation_pool: Option<Arc<Goals>>,
+    /// Measures every goal of the pool, where that is asked for.
+    frontier: Option<FrontierTruth>,
     streams: Streams,
     probing: Probing,
     /// Whether the probe rollouts that the teacher asks for are played.
@@ -87,8 +91,9 @@ impl Trainer {
         let method = registry.curriculum(&key.curriculum).expect(known);
         let seeds = config.seed;
         let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
-        // All methods of a seed draw the same pool, whether they choose from it or are evaluated on it.
-        let drawn = if method.uses_pool || in_evaluations {
+        // All methods of a seed draw the same pool, whether they choose from it or are evaluated or measured on
+        // it.
+        let drawn = if method.uses_pool || in_evaluations || config.frontier.is_on() {
             let mut rng = seeds.stream(key.seed, Purpose::Pool);
             Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)
         } else {
@@ -101,6 +106,9 @@ impl Trainer {
             seed: seeds.of(key.seed, Purpose::Teacher),
             student: config.student.clone(),
         };
+        let measured = config.frontier.is_on().then(|| Arc::clone(&drawn));
+        let measured =
+            measured.map(|goals| FrontierTruth::new(goals, config.frontier, || entry.make(&options)));
         let own =
             config.curriculum.get(method.id).and_then(toml::Value::as_table).cloned().unwrap_or_default();
         Ok(Self {
@@ -113,6 +121,7 @@ impl Trainer {
             evaluation_envs,
             pool,
             evaluation_pool: in_evaluations.then_some(drawn),
+            frontier: measured.transpose()?,
             key,
             config,
             step: 0,
@@ -349,52 +358,5 @@ impl Trainer {
         self.step += horizon as u64;
         let success = env.success(&env.observation().achieved, env.goal());
         Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), total_reward, success })
-    }
-
-    fn evaluate(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let mut laps = Laps::begin();
-        let episodes = self.config.evaluation.episodes;
-        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Evaluation(self.evaluations));
-        let pool = self.evaluation_pool.as_deref();
-        let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
-        let learning = self.diagnose()?;
-        observer.spent(Stage::Evaluating, laps.lap());
-        let ranks = std::mem::take(&mut self.ranks);
-        let TeacherSummary { weights, statistics } = self.curriculum.summary();
-        let statistics = statistics.into_iter().chain(picks::statistics(&self.teaching, ranks));
-        let record = Record {
-            environment: self.key.environment.clone(),
-            curriculum: self.key.curriculum.clone(),
-            variant: self.key.variant.clone(),
-            seed: self.key.seed,
-            step: self.step,
-            eval_index: self.evaluations,
-            episodes,
-            success_rate: score.success_rate,
-            any_success_rate: Some(score.any_success_rate),
-            mean_return: score.mean_return,
-            gradient_steps: self.agent.gradient_steps(),
-            probe_steps: self.probing.state().steps,
-            uncharged_steps: self.probing.state().uncharged,
-            // JSON has no form for numbers that are not finite. They become null, which means "not defined
-            // yet".
-            teacher: statistics
-                .map(|(name, value)| (name.to_owned(), Value::from(value)))
-                .collect::<Map<_, _>>(),
-        };
-        let weights = weights.map(|weights| weights.iter().map(|&w| w as f32).collect());
-        let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
-        let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
-        observer.record(&record, &teaching, &learning)?;
-        self.evaluations += 1;
-        Ok(())
-    }
-
-    /// How the student's learning stands. Its batch comes from a stream of this evaluation's own, so that
-    /// nothing else depends on whether it is drawn.
-    fn diagnose(&mut self) -> Result<Learning, RunError> {
-        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Diagnosis(self.evaluations));
-        let found = self.agent.diagnose(self.env.as_ref(), &mut rng)?;
-        Ok(learning(&found, self.evaluations, self.step))
     }
 }
