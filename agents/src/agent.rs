@@ -1,5 +1,6 @@
 //! What the harness and the teachers may ask of a student.
 
+use std::any::Any;
 use std::path::Path;
 use std::time::Duration;
 
@@ -131,7 +132,7 @@ pub enum Mode<'a> {
 }
 
 /// A student: acts, remembers, learns.
-pub trait Agent: Critic + Send {
+pub trait Agent: Critic + Send + Any {
     /// Writes an action for `observation` and `goal` (`[G]`) into `action` (`[A]`).
     ///
     /// # Errors

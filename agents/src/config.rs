@@ -213,6 +213,25 @@ impl StudentConfig {
         Hindsight { k: self.her_k, strategy: self.her_strategy }
     }
 
+    /// This config without what students that learn in lockstep may differ in: exploration, relabelling,
+    /// warm-up, replay buffer and normalisation are each student's own. Students of one task whose resolved
+    /// configs are alike otherwise can be lanes of one [`Cohort`](crate::Cohort).
+    #[must_use]
+    pub fn in_lockstep(&self) -> Self {
+        let Self { preset, noise, her_k, her_strategy, warmup_episodes, replay_capacity, normalizer, .. } =
+            Self::default();
+        Self {
+            preset,
+            noise,
+            her_k,
+            her_strategy,
+            warmup_episodes,
+            replay_capacity,
+            normalizer,
+            ..self.clone()
+        }
+    }
+
     /// This config for the task `spec`: every "auto" that stands for a number is replaced by that number, and
     /// all ranges are checked.
     ///

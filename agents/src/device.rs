@@ -98,12 +98,19 @@ pub(crate) fn far_away<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
+/// The device of tests that can do without the CPU: a GPU where `GOALBENCH_TEST_CUDA` is set (`ci/gpu-check`
+/// sets it), else the CPU.
+#[cfg(test)]
+pub(crate) fn under_test() -> Device {
+    if std::env::var_os("GOALBENCH_TEST_CUDA").is_some() { Device::Cuda } else { Device::Cpu }
+}
+
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
     use std::error::Error as _;
 
-    use super::{Device, in_reach, load_cuda, multiply_on};
+    use super::{Device, in_reach, load_cuda, multiply_on, under_test};
 
     thread_local! {
         pub(super) static FAR: Cell<bool> = const { Cell::new(false) };
@@ -112,6 +119,12 @@ mod tests {
     #[test]
     fn the_cpu_is_always_there() {
         assert_eq!(Device::Cpu.open().unwrap(), tch::Device::Cpu);
+    }
+
+    /// So that a GPU that was asked for is not silently left out.
+    #[test]
+    fn the_device_under_test_is_there() {
+        under_test().open().unwrap();
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct Episode {
     pub actions: Rows,
     /// The goal asked for, shape `[G]`.
     pub goal: Vec<f64>,
+    /// Sum of the rewards of its steps, towards that goal.
+    pub total_reward: f64,
     /// Success at the last step.
     pub success: bool,
 }

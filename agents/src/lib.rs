@@ -2,7 +2,7 @@
 //!
 //! [`Agent`] is the trait that the harness trains through, [`Critic`] its read-only side that teachers see.
 //! [`make`] builds the agent that a [`StudentConfig`] names from the table [`registry::AGENTS`]. Teachers
-//! that learn values of their own have [`Ensemble`].
+//! that learn values of their own have [`Ensemble`]. Students of one shape can learn in lockstep: [`Cohort`].
 //!
 //! One cycle of training, as the harness does it:
 //!
@@ -24,7 +24,7 @@
 //!     env.reset(&mut starts)?;
 //!     student.begin_episode();
 //!     let [mut states, mut achieved, mut actions] = [spec.state, spec.goal, spec.action].map(Rows::new);
-//!     let mut action = vec![0.0; spec.action];
+//!     let (mut action, mut total_reward) = (vec![0.0; spec.action], 0.0);
 //!     for _ in 0..spec.horizon {
 //!         states.push(&env.observation().state);
 //!         achieved.push(&env.observation().achieved);
@@ -32,11 +32,12 @@
 //!         student.act(env.observation(), env.goal(), mode, &mut action)?;
 //!         env.step(&action)?;
 //!         actions.push(&action);
+//!         total_reward += env.reward(&env.observation().achieved, env.goal());
 //!     }
 //!     states.push(&env.observation().state);
 //!     achieved.push(&env.observation().achieved);
 //!     let success = env.success(&env.observation().achieved, env.goal());
-//!     let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), success };
+//!     let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), total_reward, success };
 //!     student.observe(&episode, env.as_ref(), &mut replay)?;
 //! }
 //! student.learn(env.as_ref(), &mut replay)?;
@@ -50,6 +51,7 @@ mod agent;
 mod auto;
 mod batch;
 mod checks;
+mod cohort;
 mod config;
 mod ddpg;
 mod device;
@@ -63,6 +65,7 @@ mod losses;
 mod networks;
 mod noise;
 mod normalizer;
+mod pool;
 mod precision;
 mod products;
 pub mod registry;
@@ -75,6 +78,7 @@ pub use actor::{DenseLayer, InputScaling, PolicyWeights};
 pub use agent::{Agent, Critic, Mode, Network};
 pub use auto::Auto;
 pub use batch::Batch;
+pub use cohort::{Cohort, CohortLane};
 pub use config::{PolyakEvery, Preset, StudentConfig};
 pub use device::Device;
 pub use diagnosis::{Diagnosis, DryStep};
@@ -84,9 +88,10 @@ pub use episode::{Episode, Trajectory};
 pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, TorchError};
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
+pub use pool::side_by_side;
 pub use precision::Precision;
 pub use products::{ProductRates, Products};
-pub use registry::{check_replay, make};
+pub use registry::{check_replay, make, make_cohort};
 pub use replay::{Replay, Source};
 pub use runtime::{prepare_thread, versions};
 pub use seal::{Seal, SealError};

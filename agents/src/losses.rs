@@ -4,7 +4,7 @@
 //! of shape `[E, rows, 1]` and actions of shape `[E, A, rows]`, for E learners. Each learner's loss is a mean
 //! over n transitions. A batch may come in parts, so n is passed in and the parts' losses add up.
 
-use tch::{Kind, TchError, Tensor};
+use tch::{Device, Kind, TchError, Tensor};
 
 use crate::networks::{Views, with_slices};
 
@@ -60,6 +60,49 @@ fn action_penalty_slope(action: f32, action_l2: f32, components: f32) -> f32 {
     2.0 * action_l2 * action / components
 }
 
+/// A part of a loss, or all of it.
+#[derive(Debug)]
+pub(crate) enum Loss {
+    /// Summed over the learners: on the CPU, where a number costs no wait.
+    Known(f64),
+    /// One number per learner, `[E]`, on a device that may not have computed it yet.
+    Awaited(Tensor),
+}
+
+impl Loss {
+    /// This part and `other`.
+    pub(crate) fn plus(self, other: Self) -> Result<Self, TchError> {
+        Ok(match (self, other) {
+            (Self::Known(a), Self::Known(b)) => Self::Known(a + b),
+            (Self::Awaited(a), Self::Awaited(b)) => Self::Awaited(a.f_add(&b)?),
+            (Self::Awaited(_), Self::Known(_)) | (Self::Known(_), Self::Awaited(_)) => {
+                unreachable!("parts of one loss lie in one place")
+            }
+        })
+    }
+
+    /// Of each of `losses`, every learner's number, or on the CPU the sum over all learners. A device is
+    /// waited for once.
+    pub(crate) fn read(losses: &[Self]) -> Result<Vec<Vec<f64>>, TchError> {
+        let (mut known, mut awaited) = (Vec::new(), Vec::new());
+        for loss in losses {
+            match loss {
+                Self::Known(number) => known.push(vec![*number]),
+                Self::Awaited(numbers) => awaited.push(numbers),
+            }
+        }
+        if awaited.is_empty() {
+            return Ok(known);
+        }
+        Vec::try_from(Tensor::f_stack(&awaited, 0)?.f_to_kind(Kind::Double)?.f_to_device(Device::Cpu)?)
+    }
+
+    /// The sum over all learners, which a device is waited for.
+    pub(crate) fn total(self) -> Result<f64, TchError> {
+        Ok(Self::read(&[self])?.iter().flatten().sum())
+    }
+}
+
 /// Writes the targets y of transitions with `rewards` and `next_values` into `targets`; all are `[E, rows,
 /// 1]`.
 pub(crate) fn write_targets(
@@ -86,12 +129,17 @@ pub(crate) fn write_targets(
 }
 
 /// Writes the slope of mean (Q − y)² in Q into `slope` (`[E, rows, 1]` all) and returns these rows' part of
-/// the loss, summed over the learners.
-pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
+/// the loss.
+pub(crate) fn critic_part(
+    values: &Views,
+    targets: &Views,
+    n: usize,
+    slope: &Views,
+) -> Result<Loss, TchError> {
     if !values.on_cpu {
         let error = values.whole.f_sub(&targets.whole)?;
         let _ = error.f_mul_scalar_out(&slope.whole, 2.0 / n as f64)?;
-        return Ok(sum(&error.f_square()?)? / n as f64);
+        return awaited(&error.f_square()?, 1.0 / n as f64);
     }
     let (count, mut loss) = (n as f32, 0.0);
     for ((q, y), slope) in values.members.iter().zip(&targets.members).zip(&slope.members) {
@@ -102,12 +150,12 @@ pub(crate) fn critic_part(values: &Views, targets: &Views, n: usize, slope: &Vie
             }
         });
     }
-    Ok(loss)
+    Ok(Loss::Known(loss))
 }
 
 /// Writes the slope of −mean Q in Q, −1/n, into `slope` (`[E, rows, 1]` both) and returns these rows' part of
-/// −mean Q, summed over the learners.
-pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64, TchError> {
+/// −mean Q.
+pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<Loss, TchError> {
     if slope.on_cpu {
         for slope in &slope.members {
             with_slices([slope], [], |[slope], []| slope.fill(-1.0 / n as f32));
@@ -115,32 +163,35 @@ pub(crate) fn value_part(values: &Views, n: usize, slope: &Views) -> Result<f64,
     } else {
         let _ = slope.whole.shallow_clone().f_fill_(-1.0 / n as f64)?;
     }
-    Ok(-mean_part(values, n)?)
+    Ok(match mean_part(values, n)? {
+        Loss::Known(mean) => Loss::Known(-mean),
+        Loss::Awaited(means) => Loss::Awaited(means.f_neg()?),
+    })
 }
 
-/// These rows' part of mean Q (`[E, rows, 1]`), summed over the learners.
-pub(crate) fn mean_part(values: &Views, n: usize) -> Result<f64, TchError> {
+/// These rows' part of mean Q (`[E, rows, 1]`).
+pub(crate) fn mean_part(values: &Views, n: usize) -> Result<Loss, TchError> {
     if !values.on_cpu {
-        return Ok(sum(&values.whole)? / n as f64);
+        return awaited(&values.whole, 1.0 / n as f64);
     }
     let total = |[values]: [&[f32]; 1]| values.iter().map(|&q| f64::from(q)).sum::<f64>();
     let totals = values.members.iter().map(|values| with_slices([], [values], |[], read| total(read)));
-    Ok(totals.map(|total| total / n as f64).sum())
+    Ok(Loss::Known(totals.map(|total| total / n as f64).sum()))
 }
 
 /// Adds the slope of λ·mean π² in π to `slope` (`[E, A, rows]` both) and returns these rows' part of λ·mean
-/// π², summed over the learners.
+/// π².
 pub(crate) fn penalty_part(
     actions: &Views,
     action_l2: f64,
     n: usize,
     slope: &Views,
-) -> Result<f64, TchError> {
+) -> Result<Loss, TchError> {
     let components = (n as i64 * actions.whole.size()[1]) as f64;
     if !actions.on_cpu {
         let own = actions.whole.f_mul_scalar(2.0 * action_l2 / components)?;
         let _ = slope.whole.f_add_out(&slope.whole, &own)?;
-        return Ok(sum(&actions.whole.f_square()?)? * action_l2 / components);
+        return awaited(&actions.whole.f_square()?, action_l2 / components);
     }
     let (action_l2, components, mut loss) = (action_l2 as f32, components as f32, 0.0);
     for (actions, slope) in actions.members.iter().zip(&slope.members) {
@@ -151,11 +202,13 @@ pub(crate) fn penalty_part(
             }
         });
     }
-    Ok(loss)
+    Ok(Loss::Known(loss))
 }
 
-fn sum(tensor: &Tensor) -> Result<f64, TchError> {
-    tensor.f_sum(Kind::Float)?.f_double_value(&[])
+/// The sum over every learner's matrix in `terms` (`[E, rows, columns]`) times `weight`.
+fn awaited(terms: &Tensor, weight: f64) -> Result<Loss, TchError> {
+    let sums = terms.f_sum_dim_intlist(&[1i64, 2][..], false, Kind::Float)?;
+    Ok(Loss::Awaited(sums.f_mul_scalar(weight)?))
 }
 
 #[cfg(test)]
@@ -163,7 +216,7 @@ mod tests {
     use tch::Tensor;
 
     use super::{
-        Discount, action_penalty, action_penalty_slope, bellman_target, critic_loss, critic_loss_slope,
+        Discount, Loss, action_penalty, action_penalty_slope, bellman_target, critic_loss, critic_loss_slope,
         critic_part, penalty_part, value_part, write_targets,
     };
     use crate::networks::Views;
@@ -221,17 +274,21 @@ mod tests {
 
             let values = column([-0.5, -1.0, -4.0, 0.25]);
             let loss = critic_part(&values, &targets, 4, &slope).unwrap();
+            let read = Loss::read(&[loss, value_part(&values, 4, &slope).unwrap()]).unwrap();
+            assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), [if looped { 1 } else { 2 }; 2]);
+            let loss = critic_part(&values, &targets, 4, &slope).unwrap();
+            let loss = loss.total().unwrap();
             assert!((loss - (4.0 + 1.0 + 0.0 + 1.0) / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[1.0, -0.5, 0.0, 0.5]);
 
-            let loss = value_part(&values, 4, &slope).unwrap();
+            let loss = value_part(&values, 4, &slope).unwrap().total().unwrap();
             assert!((loss - 5.25 / 4.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[-0.25; 4]);
 
             // Three components in two rows.
             let numbers = [1.0, -0.5, 0.0, 0.5, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0];
             let (actions, slope) = (views([3, 2], &numbers, looped), views([3, 2], &[1.0; 12], looped));
-            let loss = penalty_part(&actions, 3.0, 4, &slope).unwrap();
+            let loss = penalty_part(&actions, 3.0, 4, &slope).unwrap().total().unwrap();
             assert!((loss - 3.0 * 2.5 / 12.0).abs() < 1e-6, "{loss}");
             assert_numbers(&slope, &[1.5, 0.75, 1.0, 1.25, 1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 1.0, 1.0]);
         }

@@ -220,6 +220,7 @@ mod tests {
                 achieved: rows(spec.goal, spec.horizon + 1),
                 actions: rows(spec.action, spec.horizon),
                 goal: vec![0.0; spec.goal],
+                total_reward: 0.0,
                 success: false,
             };
             student.observe(&episode, env.as_ref(), &mut rng).unwrap();

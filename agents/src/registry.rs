@@ -5,8 +5,9 @@ use std::path::Path;
 use envs::Spec;
 
 use crate::agent::Agent;
+use crate::cohort::Cohort;
 use crate::config::{DEFAULT_AGENT, StudentConfig};
-use crate::ddpg::{self, Ddpg};
+use crate::ddpg::{self, Ddpg, DdpgCohort};
 use crate::error::AgentError;
 
 /// One agent: a row of [`AGENTS`].
@@ -20,6 +21,7 @@ pub struct AgentRow {
     pub source: &'static str,
     build: Constructor,
     check_replay: ReplayCheck,
+    cohort: fn(usize) -> Box<dyn Cohort>,
 }
 
 type Constructor = fn(&StudentConfig, &Spec, u64) -> Result<Box<dyn Agent>, AgentError>;
@@ -32,6 +34,7 @@ pub static AGENTS: &[AgentRow] = &[AgentRow {
     source: "Lillicrap et al. 2016 (arXiv 1509.02971), Andrychowicz et al. 2017 (arXiv 1707.01495)",
     build: |config, spec, seed| Ok(Box::new(Ddpg::new(config, spec, seed)?)),
     check_replay: ddpg::check_replay,
+    cohort: |width| Box::new(DdpgCohort::new(width)),
 }];
 
 /// Makes the agent that `config` names, for the task `spec`; the run's `seed` determines its initial weights.
@@ -41,6 +44,15 @@ pub static AGENTS: &[AgentRow] = &[AgentRow {
 /// [`AgentError::Unknown`], [`AgentError::Config`], [`AgentError::Device`].
 pub fn make(config: &StudentConfig, spec: &Spec, seed: u64) -> Result<Box<dyn Agent>, AgentError> {
     (row(config)?.build)(config, spec, seed)
+}
+
+/// What lets students that [`make`] made for `config` learn in lockstep, `width` of them at most unless more
+/// come. See [`Cohort`] for what the width is good for.
+///
+/// # Errors
+/// [`AgentError::Unknown`].
+pub fn make_cohort(config: &StudentConfig, width: usize) -> Result<Box<dyn Cohort>, AgentError> {
+    Ok((row(config)?.cohort)(width))
 }
 
 /// Checks that the log in folder `replay` holds all that the agent which `config` names needs to go on from

@@ -1,17 +1,15 @@
 //! Learning of action values: temporal-difference steps for a stack of critics.
 
-use envs::rng::Rng;
 use tch::TchError;
 
 use crate::inputs::{Part, rows_per_part};
-use crate::losses::{Discount, critic_part, write_targets};
+use crate::losses::{Discount, Loss, critic_part, write_targets};
 use crate::networks::{Block, Parameters, Passes, Shape, Trained};
 use crate::precision::Arithmetic;
 
-/// E critics, each with a target network.
+/// What E critics, each with a target network, need to learn, besides themselves.
 #[derive(Debug)]
 pub(crate) struct ValueLearner {
-    pub(crate) networks: Trained,
     pub(crate) passes: Passes,
     /// y, `[E, rows of a part, 1]`.
     targets: Block,
@@ -19,28 +17,31 @@ pub(crate) struct ValueLearner {
 }
 
 impl ValueLearner {
-    /// Critics of `shape` that learn from `n` transitions each per step.
+    /// For critics of `shape` that learn from `n` transitions each per step.
     pub(crate) fn new(
         shape: Shape,
         members: usize,
         n: usize,
         discount: Discount,
         arithmetic: Arithmetic,
-        rng: &mut Rng,
     ) -> Result<Self, TchError> {
         let rows = rows_per_part(n, arithmetic);
         Ok(Self {
-            networks: Trained::new(shape, members, arithmetic, rng)?,
             passes: Passes::new(shape, members, rows, arithmetic)?,
             targets: Block::zeros(members, rows, 1, Arithmetic::single(arithmetic.device))?,
             discount,
         })
     }
 
-    /// Adds the gradient of every critic's loss on `part` of n transitions, whose next actions are in place.
-    /// Returns the part's share of the losses, summed over the critics.
-    pub(crate) fn add_gradient(&mut self, part: &Part, n: usize) -> Result<f64, TchError> {
-        let Self { networks, passes, targets, discount } = self;
+    /// Adds the gradient of the loss of every critic of `networks` on `part` of n transitions, whose next
+    /// actions are in place. Returns the part's share of the losses.
+    pub(crate) fn add_gradient(
+        &mut self,
+        networks: &mut Trained,
+        part: &Part,
+        n: usize,
+    ) -> Result<Loss, TchError> {
+        let Self { passes, targets, discount } = self;
         passes.forward(networks.network(Parameters::Target), &part.next.all)?;
         write_targets(&part.rewards.plain, &passes.output().plain, *discount, &targets.plain)?;
         passes.forward(networks.network(Parameters::Online), &part.current.all)?;

@@ -18,6 +18,9 @@ pub trait Configured {
     /// The config, with every field.
     fn table(&self) -> Table;
 
+    /// [`Method::version`] with this config.
+    fn version(&self) -> String;
+
     /// Makes the teacher.
     ///
     /// # Errors
@@ -49,6 +52,10 @@ impl<M: Method> Checked<M> {
 impl<M: Method> Configured for Checked<M> {
     fn table(&self) -> Table {
         table(&self.0)
+    }
+
+    fn version(&self) -> String {
+        M::version(&self.0)
     }
 
     fn build(self: Box<Self>, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {

@@ -118,7 +118,7 @@ pub struct Setting {
 
 /// Numbers about what a teacher is doing, recorded at every evaluation: (name, value), always the same names
 /// in the same order. NaN stands for "not defined yet".
-pub type Statistics = Vec<(&'static str, f64)>;
+pub type Statistics<'a> = Vec<(&'a str, f64)>;
 
 /// What is recorded about a teacher.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -126,7 +126,7 @@ pub struct TeacherSummary<'a> {
     /// The current probability of every goal of the pool, shape `[N]`, for teachers that weigh the pool.
     pub weights: Option<&'a [f64]>,
     /// Further numbers.
-    pub statistics: Statistics,
+    pub statistics: Statistics<'a>,
 }
 
 /// A curriculum at work: it chooses the goal of every training episode.
@@ -174,8 +174,8 @@ pub trait Curriculum: Send {
     ) -> Result<(), CurriculumError>;
 
     /// Asks for probe rollouts, if it wants some. It is asked after each cycle, once student and teacher have
-    /// learned, unless earlier rollouts are still to be played. `goals` gives fresh goals for the start of the
-    /// last episode.
+    /// learned, unless earlier rollouts are still to be played. `goals` gives fresh goals for the start of
+    /// the last episode.
     ///
     /// # Errors
     /// [`CurriculumError`] if its own numbers are unusable.

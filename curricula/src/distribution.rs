@@ -48,6 +48,27 @@ impl Distribution {
         Self(probabilities)
     }
 
+    /// Each group's share, spread evenly over its members. Groups may overlap. A group without members is
+    /// left out, and shares need not sum to 1: they count in relation to each other.
+    ///
+    /// # Panics
+    /// If no group with a share above 0 has a member, a share is negative, or a member is not below `n`.
+    pub fn of_groups(groups: &[(f64, &[usize])], n: usize) -> Self {
+        assert!(groups.iter().all(|&(share, _)| share >= 0.0), "a share is negative");
+        let total: f64 =
+            groups.iter().filter(|(_, members)| !members.is_empty()).map(|(share, _)| share).sum();
+        assert!(total > 0.0, "a distribution needs a goal");
+        let mut probabilities = vec![0.0; n];
+        for &(share, members) in groups {
+            for &member in members {
+                probabilities[member] += share / members.len() as f64;
+            }
+        }
+        // In the end, so that a goal that has all of the shares has exactly 1.
+        probabilities.iter_mut().for_each(|p| *p /= total);
+        Self(probabilities)
+    }
+
     /// w_i / Σ w: in proportion to `weights` (none negative). Uniform where their mean is at most
     /// `negligible`, the size at which weights of this kind are rounding and say nothing about goals; 0 if
     /// all of them count.

@@ -32,6 +32,9 @@ pub enum CurriculumError {
         /// What was found out when it was read.
         source: Option<Box<dyn Error + Send + Sync>>,
     },
+    /// The program that teaches does not.
+    #[error(transparent)]
+    Process(#[from] crate::methods::process::ProcessError),
     /// The student, or networks of the teacher's own, could not answer.
     #[error(transparent)]
     Student(#[from] agents::AgentError),

@@ -10,21 +10,32 @@
 //! answers in a [`Window`]; from these follows a [`Distribution`] over goals. [`PoolState`] and
 //! [`ScoredPool`] put the parts together.
 //!
+//! Teachers that go by success keep a [`History`] of it, for goals or for [`Regions`] of them. Others go by
+//! what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools for that.
 //! Whoever wants to know more than training shows asks for [`Rollouts`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
 
+mod achieved;
+mod assignment;
 mod config;
 mod curriculum;
+mod density;
 mod distribution;
 mod error;
+mod history;
+mod kmeans;
 mod method;
 pub mod methods;
+mod mixture;
 mod pool_state;
 mod probe;
+mod regions;
 mod registry;
+mod replayed;
 mod rollouts;
+mod scaling;
 pub mod snapshot;
 mod state;
 mod teacher;
@@ -32,15 +43,21 @@ pub mod testing;
 mod variance;
 mod window;
 
+pub use assignment::assignment;
 pub use config::{Configured, schema_of};
 pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, Statistics, TeacherSummary};
+pub use density::{KernelDensity, divergence};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
+pub use history::History;
 pub use method::Method;
+pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use pool_state::{PoolState, ScoredPool};
 pub use probe::{Answer, Probe, ProbeConfig, StateSource};
+pub use regions::Regions;
 pub use registry::{CURRICULA, Configure, Entry};
 pub use rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
+pub use scaling::Scaling;
 pub use state::{PlainState, TeacherState};
 pub use teacher::Teacher;
 pub use variance::{ROUNDING, population_variance, rounding};

@@ -96,6 +96,16 @@ pub trait Method: Sized + Send + Sync + 'static {
     /// Whether it chooses from the pool. Such a method is never built on an empty pool.
     const USES_POOL: bool;
 
+    /// The field without which it cannot teach and that has no default, such as a command. Its default stands
+    /// for "not given", and a run that leaves it so is refused before anything is written.
+    const NEEDS: Option<&'static str> = None;
+
+    /// The version of what it does with `config`: [`Method::VERSION`], unless the config names something that
+    /// has versions of its own, such as a program.
+    fn version(_config: &Self::Config) -> String {
+        Self::VERSION.to_owned()
+    }
+
     /// What the fields of its config are: `Some(schema_of::<Self::Config>())` if that derives `JsonSchema`.
     /// `goalbench help config` then explains every field by its doc comment, and a value of a wrong type is
     /// answered with what is accepted. See [`schema_of`](crate::schema_of).

@@ -1,7 +1,7 @@
 //! Asking the student for its confidence in the goals of the pool, and remembering answers that can be
 //! compared.
 
-use agents::{AgentError, Network};
+use agents::{AgentError, Critic, Network};
 use envs::{Goals, Rows};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -189,7 +189,7 @@ impl Probe {
             return Ok(Answer::Unchanged);
         }
         let Some(states) = self.states(config, lesson) else { return Ok(Answer::NoStates) };
-        let values = measure(config, pool, &states, lesson)?;
+        let values = measure(lesson.student, pool, &states, config.network)?;
         self.evaluations += 1;
         if moved {
             self.current.window.push(values);
@@ -240,7 +240,7 @@ impl Probe {
             Series::new(capacity, Some(drawn))
         });
         let states = successor.states.as_ref().expect("drawn with the successor");
-        successor.window.push(measure(config, pool, states, lesson)?);
+        successor.window.push(measure(lesson.student, pool, states, config.network)?);
         successor.measured += 1;
         if successor.window.len() == capacity {
             self.current = self.successor.take().expect("just measured");
@@ -277,23 +277,23 @@ impl Probe {
     }
 }
 
-/// The confidence in every goal of `pool`, shape `[N]`, as a mean over `states`.
-fn measure(
-    config: &ProbeConfig,
-    pool: &Goals,
+/// The confidence in every one of `goals`, shape `[n]`, as a mean over `states`: one finite value each.
+pub(crate) fn measure(
+    student: &mut dyn Critic,
+    goals: &Goals,
     states: &Rows,
-    lesson: &mut Lesson<'_>,
+    network: Network,
 ) -> Result<Vec<f64>, CurriculumError> {
-    let values = lesson.student.confidence(pool, states, config.network)?;
-    if values.len() != pool.len() {
-        return Err(AgentError::Shape { what: "confidence", expected: pool.len(), got: values.len() }.into());
+    let values = student.confidence(goals, states, network)?;
+    if values.len() != goals.len() {
+        return Err(AgentError::Shape { what: "confidence", expected: goals.len(), got: values.len() }.into());
     }
     require_finite(&values, "confidence")?;
     Ok(values)
 }
 
 /// One state as a matrix of one row.
-fn single(state: &[f64]) -> Rows {
+pub(crate) fn single(state: &[f64]) -> Rows {
     let mut states = Rows::with_capacity(state.len(), 1);
     states.push(state);
     states

@@ -31,6 +31,15 @@ pub const CURRICULA: &[Entry] = &[
     Entry::of::<methods::vds::Vds>(),
     Entry::of::<methods::space::Space>(),
     Entry::of::<methods::procurl::ProCurl>(),
+    Entry::of::<methods::sfl::Sfl>(),
+    Entry::of::<methods::plr::Plr>(),
+    Entry::of::<methods::goid::Goid>(),
+    Entry::of::<methods::lp::Lp>(),
+    Entry::of::<methods::alp_gmm::AlpGmm>(),
+    Entry::of::<methods::mega::Mega>(),
+    Entry::of::<methods::omega::Omega>(),
+    Entry::of::<methods::hgg::Hgg>(),
+    Entry::of::<methods::process::Process>(),
 ];
 
 /// A row of the table: a [`Method`] behind functions that do not name its type.
@@ -48,6 +57,8 @@ pub struct Entry {
     pub look: Option<Look>,
     /// [`Method::USES_POOL`].
     pub uses_pool: bool,
+    /// [`Method::NEEDS`].
+    pub needs: Option<&'static str>,
     /// The complete default config: every field.
     pub defaults: fn() -> Table,
     /// [`Method::schema`].
@@ -77,6 +88,7 @@ impl Entry {
             version: M::VERSION,
             look: M::LOOK,
             uses_pool: M::USES_POOL,
+            needs: M::NEEDS,
             schema: M::schema,
             defaults: || table(&M::Config::default()),
             configure: |written| Ok(Box::new(Checked::<M>::new(written)?)),

@@ -50,8 +50,9 @@ pub struct Observation {
     pub achieved: Vec<f64>,
 }
 
-/// What a task rewards: all that hindsight relabelling needs to know of an environment.
-pub trait Reward {
+/// What a task rewards: all that hindsight relabelling needs to know of an environment. It may be asked from
+/// a thread that the environment does not live on.
+pub trait Reward: Sync {
     /// Whether `achieved` counts as success for `goal` (shape `[G]` both).
     ///
     /// # Panics

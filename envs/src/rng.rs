@@ -33,6 +33,8 @@ pub enum Purpose {
     Diagnosis(u64),
     /// Start state and exploration noise of the probe episode with this index.
     Rollout(u64),
+    /// Start states of the episodes that measure every goal of the pool at the evaluation with this index.
+    Frontier(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.
     FinalEvaluation,
@@ -51,6 +53,7 @@ impl Purpose {
             Self::Evaluation(index) => ("evaluation", index),
             Self::Diagnosis(index) => ("diagnosis", index),
             Self::Rollout(index) => ("rollout", index),
+            Self::Frontier(index) => ("frontier", index),
             Self::FinalEvaluation => ("final-evaluation", 0),
         }
     }
@@ -110,6 +113,8 @@ mod tests {
             (Purpose::Diagnosis(7), 0xa14f_d408_d329_f504),
             (Purpose::Rollout(0), 0xc2fe_745b_ef2a_c253),
             (Purpose::Rollout(7), 0x394f_3fd4_e9ac_fb95),
+            (Purpose::Frontier(0), 0x6565_2da3_6df6_dcaf),
+            (Purpose::Frontier(7), 0xd850_1606_e3e0_dd57),
             (Purpose::FinalEvaluation, 0x9433_8273_70ad_d441_u64),
         ];
         for (purpose, expected) in keys {

@@ -54,7 +54,7 @@ use crate::scene::Scene;
 /// env.step(&[7.0])?; // the same as 1.0
 /// # Ok::<(), EnvError>(())
 /// ```
-pub trait World: Send {
+pub trait World: Send + Sync {
     /// Draws a start and goes there. Nothing of what happened before may have an influence.
     ///
     /// # Errors

@@ -5,11 +5,20 @@
 //! once, and [`verdict`] turns a success into a failure.
 
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::Mutex;
 
 use guard::text::shown;
+use os_display::Quotable;
 
+use crate::outputs::unlike_an_option;
 use crate::sweep::ExitCode;
+
+/// `path` as a word of a command that people copy into a shell: quoted where it needs to be, and unlike an
+/// option.
+pub(crate) fn word(path: &Path) -> String {
+    unlike_an_option(path.to_owned()).maybe_quote().to_string()
+}
 
 /// How far a stream can be written to.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -91,6 +100,38 @@ pub(crate) fn columns() -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paths_in_commands_are_what_a_shell_makes_of_them() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt;
+        use std::process::Command;
+
+        let odd: [&[u8]; 14] = [
+            b"plain/x-1.2",
+            b"$(id)",
+            b"spa ce",
+            b"new\nline",
+            b"it's",
+            b"~",
+            b"~root",
+            b"#x",
+            b"a\x1b[31mb",
+            b"\"",
+            b"`x`",
+            b"res\xffults",
+            b"*",
+            "é\u{202e}手".as_bytes(),
+        ];
+        for bytes in odd {
+            let word = word(Path::new(OsStr::from_bytes(bytes)));
+            assert!(!word.chars().any(char::is_control), "{word:?}");
+            let script = format!("printf %s {word}");
+            let told = Command::new("bash").args(["-c", &script]).env("LC_ALL", "C.UTF-8").output().unwrap();
+            assert_eq!(told.stdout, bytes, "{word}");
+        }
+        assert_eq!([word(Path::new("a/b")), word(Path::new("-x"))], ["a/b", "./-x"]);
+    }
 
     #[test]
     fn a_reader_that_went_away_is_no_error_and_a_full_disk_is_one() {

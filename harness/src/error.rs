@@ -9,11 +9,11 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 
+use guard::text::short;
 use reports::gate::GateError;
 use reports::schema::{RunKey, SCHEMA};
 use reports::store::StoreError;
 
-use crate::config::words::short;
 use crate::suggest::hint;
 
 /// What caused an error, where several kinds of error can.

@@ -20,7 +20,15 @@ pub(crate) fn sync(path: &Path) -> std::io::Result<()> {
 /// # Errors
 /// If it cannot be written.
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> std::io::Result<()> {
+    write_through(path, &json(value)?)
+}
+
+/// The bytes that [`write_json`] writes.
+///
+/// # Errors
+/// If `value` has no form in JSON.
+pub(crate) fn json(value: &impl Serialize) -> std::io::Result<Vec<u8>> {
     let mut text = serde_json::to_vec_pretty(value)?;
     text.push(b'\n');
-    write_through(path, &text)
+    Ok(text)
 }

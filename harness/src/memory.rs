@@ -10,6 +10,9 @@ use crate::config::RunConfig;
 /// What a process holds before it trains: program, libraries, physics, environments. Measured: 150 to 250 MB
 /// (`harness/docs/performance.md`).
 const PROCESS: u64 = 200_000_000;
+/// What a process holds of a GPU before anything is learned there: its context and libtorch's kernels. Not
+/// measured: about what CUDA 13 takes according to its users.
+pub const GPU_PROCESS: u64 = 1_000_000_000;
 /// Copies of a network's weights: trained, target, gradients, and Adam's two averages.
 const COPIES: u64 = 5;
 
@@ -35,6 +38,29 @@ fn networks(student: &StudentConfig, spec: &Spec) -> u64 {
     let between = width.saturating_mul(width).saturating_mul(student.layers(spec).saturating_sub(1) as u64);
     let weights = width.saturating_mul(inputs).saturating_add(between);
     weights.saturating_mul(2 * COPIES * size_of::<f32>() as u64)
+}
+
+/// About how many bytes a lane on the task `spec` takes of a GPU's memory: networks, and the buffers that
+/// they are trained and asked with, of its teacher's ensemble as well. Worked out from the shapes alone.
+pub fn on_gpu(config: &RunConfig, spec: &Spec) -> u64 {
+    let student = &config.student;
+    // Every hidden layer's activations and two gradients, and the two networks' inputs.
+    let columns = (student.width as u64)
+        .saturating_mul(student.layers(spec) as u64 + 2)
+        .saturating_add(2 * (spec.state + spec.goal + spec.action) as u64);
+    let buffers = |rows: u64| rows.saturating_mul(columns).saturating_mul(size_of::<f32>() as u64);
+    // Actor and critic: for its own steps, in the stack of its cohort, and for questions.
+    let rows = 2 * (2 * student.batch() as u64 + 1024);
+    let number = |name: &str| {
+        let numbers = config.curriculum.values().filter_map(|own| own.get(name)?.as_integer());
+        numbers.max().and_then(|number| u64::try_from(number).ok())
+    };
+    let members = number("members").unwrap_or(0);
+    let batch = number("batch").unwrap_or(student.batch() as u64);
+    let ensemble = (networks(student, spec) / 2).saturating_add(buffers(batch + 1024));
+    [networks(student, spec).saturating_mul(2), buffers(rows), members.saturating_mul(ensemble)]
+        .into_iter()
+        .fold(0, u64::saturating_add)
 }
 
 /// The values that a teacher with a window keeps of every goal of the pool.
@@ -86,6 +112,24 @@ mod tests {
         }
         assert_eq!(warning(Vec::new(), 2, 0), None);
         assert!(available().is_some_and(|bytes| bytes > 0));
+    }
+
+    /// A student of 2 × 256 on FetchPush by hand: 2 copies of its 5 × 2 × (256 · 32 + 256²) numbers, and 2 ·
+    /// (2 · 1024 + 1024) rows of 4 · 256 + 64. VDS adds three critics with 2048 rows each.
+    #[test]
+    fn a_lane_on_a_gpu_by_hand() {
+        let registry = crate::Registry::builtin();
+        let size = |curriculum: &str| {
+            let mut protocol = crate::protocol::Protocol::from_options();
+            protocol.environments = vec!["FetchPush".to_owned()];
+            protocol.curricula = vec![curriculum.to_owned()];
+            let plan = crate::protocol::plan::Plan::new(&protocol, &registry).expect("a valid plan");
+            on_gpu(&plan.runs[0].config, &registry.environment("FetchPush").expect("built in").spec)
+        };
+        let networks = 2 * 4 * 5 * 2 * (256 * 32 + 256 * 256);
+        let plain = networks + 4 * 6144 * (4 * 256 + 64);
+        assert_eq!(size("teach"), plain);
+        assert_eq!(size("vds"), plain + 3 * (networks / 4 + 4 * 2048 * (4 * 256 + 64)));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use guard::files;
 use reports::schema::{Outcome, RunKey};
 use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;
@@ -10,6 +11,7 @@ use reports::store::{Results, RunFolder, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
 use crate::fresh_folder::{FolderKind, FreshFolder, refuse_existing};
+use crate::outputs;
 use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::is_locked;
@@ -33,7 +35,7 @@ struct Candidate {
     sound: Sound,
     records: Vec<u8>,
     teaching: Vec<u8>,
-    /// Bytes of its timings.
+    /// Evaluations that have timings. Their bytes would not do: a time with more digits is no better.
     timed: usize,
 }
 
@@ -53,14 +55,22 @@ struct Copies {
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
-/// every conflicting run, [`HarnessError::Exists`] if `out` does, [`HarnessError::Locked`] if a process is
-/// carrying out a run, and whatever keeps files from being read or written.
+/// every conflicting run, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
+/// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Argument`] if it would
+/// lie in a source, [`HarnessError::Locked`] if a process is carrying out a run, and whatever keeps files
+/// from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     refuse_existing(out)?;
+    outputs::outside("--out", out, sources)?;
+    check_sources(sources)?;
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
         let Survey { runs, lost, strays } = Results::new(source).survey()?;
+        if let Some(hidden) = strays.iter().find(|stray| stray.hides_runs()) {
+            let whole = HarnessError::unusable(source.display(), "read all runs of this results folder");
+            return Err(whole(hidden.to_string()));
+        }
         if runs.is_empty() && lost.is_empty() {
             let path = layout::runs_dir(source);
             return Err(HarnessError::Missing { path, reason: "holds no runs".into() });
@@ -85,8 +95,21 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     Ok(merged)
 }
 
+/// Refuses a folder that is given twice, under one name or two: none of its runs was found more than once.
+fn check_sources(sources: &[PathBuf]) -> Result<(), HarnessError> {
+    let mut places: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
+    for source in sources {
+        let place = source.canonicalize().map_err(HarnessError::io(source, "find this folder"))?;
+        if let Some(first) = places.insert(place, source) {
+            let reason = format!("is the same folder as {}; name each once", first.display());
+            return Err(HarnessError::Missing { path: source.clone(), reason });
+        }
+    }
+    Ok(())
+}
+
 fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
-    if is_locked(folder.path()) {
+    if is_locked(folder.path())? {
         // Its worker would change the files while they are copied.
         return Err(HarnessError::Locked { folder: folder.path().to_owned() });
     }
@@ -95,7 +118,8 @@ fn read(folder: RunFolder) -> Result<Candidate, HarnessError> {
     let (records, teaching) = (bytes(layout::RECORDS)?, bytes(layout::TEACHING)?);
     // Timings that are not what the run ended with count as none.
     let has_lost_timings = sound.outcome.is_some() && checksums::check_timings(&folder).is_err();
-    let timed = if has_lost_timings { 0 } else { bytes(layout::TIMING)?.len() };
+    let lines = |bytes: Vec<u8>| bytes.iter().filter(|&&byte| byte == b'\n').count();
+    let timed = if has_lost_timings { 0 } else { lines(bytes(layout::TIMING)?) };
     Ok(Candidate { folder, sound, records, teaching, timed })
 }
 

@@ -33,6 +33,21 @@ pub fn folder(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<(),
     check_folder(option, path)
 }
 
+/// Checks that the new folder that `option` names would lie in none of `inputs`, which are only read.
+///
+/// # Errors
+/// [`HarnessError::Argument`] naming the option and that folder.
+pub fn outside(option: &'static str, path: &Path, inputs: &[PathBuf]) -> Result<(), HarnessError> {
+    let absolute = std::path::absolute(path).map_err(|error| unwritable(option, path, error))?;
+    // What is not there yet lies in the nearest folder that is.
+    let Some(there) = absolute.ancestors().find_map(|above| above.canonicalize().ok()) else { return Ok(()) };
+    let around = inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| there.starts_with(input)));
+    around.map_or(Ok(()), |input| {
+        let what = format!("lies in {}, which is only read; name a place outside", input.display());
+        wrong(option, path, &what)
+    })
+}
+
 /// The folder in which the file at `path` lies.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))

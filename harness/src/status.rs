@@ -109,13 +109,13 @@ fn checked(folder: &RunFolder) -> Result<(Manifest, RunConfig, Option<Outcome>),
         folder.check_place(&manifest)?;
         Ok((manifest, config, None))
     };
-    if is_locked(folder.path()) {
+    if is_locked(folder.path())? {
         return unchecked();
     }
     match folder::check(folder.path()) {
         Ok(Sound { manifest, config, outcome, .. }) => Ok((manifest, config, outcome)),
         // Its worker began in between and changed files while they were read.
-        Err(_) if is_locked(folder.path()) => unchecked(),
+        Err(_) if is_locked(folder.path())? => unchecked(),
         Err(error) => Err(error),
     }
 }
@@ -130,7 +130,7 @@ fn run_status(folder: &RunFolder) -> Result<RunStatus, HarnessError> {
     let (activity, reason) = match outcome {
         Some(Outcome::Finished { .. }) => (Activity::Finished, untimed.map(|error| chain(&error))),
         Some(Outcome::Failed { reason, .. }) => (Activity::Failed, Some(reason)),
-        None if is_locked(folder.path()) => (Activity::Running, None),
+        None if is_locked(folder.path())? => (Activity::Running, None),
         None => match folder.last_crash() {
             Some(crash) => (Activity::Crashed, Some(crash.reason)),
             None if record.is_some() => (Activity::Stopped, None),

@@ -17,6 +17,7 @@ use protobuf::CodedOutputStream;
 use reports::schema::{Learning, Record, Teaching, Timing};
 pub use reports::store::layout::EVENTS;
 use reports::store::{RunFolder, StoreError, checksums, layout};
+use reports::wording::counted;
 
 use crate::error::chain;
 
@@ -111,7 +112,7 @@ impl EventFile {
 pub fn catch_up(folder: &Path) -> std::io::Result<Option<String>> {
     let run = RunFolder::new(folder);
     let (timings, lack) = sound_timings(&run);
-    if lack.is_none() || !run.has(EVENTS) {
+    if lack.is_none() || !run.has(EVENTS)? {
         EventFile::over(&run, &timings)?;
     }
     Ok(lack)
@@ -126,8 +127,9 @@ fn sound_timings(run: &RunFolder) -> (Vec<Timing>, Option<String>) {
             let lack = (lacking > 0).then(|| {
                 let (path, all) = (run.file(layout::TIMING), records.len());
                 format!(
-                    "{}: lacks {lacking} of {all} evaluations; the event file lacks their times",
-                    path.display()
+                    "{}: lacks {lacking} of {}; the event file lacks their times",
+                    path.display(),
+                    counted(all, "evaluation")
                 )
             });
             (timings, lack)

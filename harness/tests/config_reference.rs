@@ -70,8 +70,18 @@ fn accepts(registry: &Registry, path: &str, kind: Option<&str>, value: &str) -> 
     };
     // What a field's range depends on.
     match path {
+        // OMEGA's counts episodes and depends on nothing.
+        "curriculum.omega.renewal" => {}
+        "curriculum.hgg.trajectories" => set("curriculum.hgg.goals=1".to_owned()),
         _ if path.ends_with(".renewal") => set(format!("{}=initial", path.replace("renewal", "states"))),
         "student.episodes_per_cycle" => set("evaluation.every=1_000_000_000".to_owned()),
+        _ if path.ends_with(".easy") => set(format!("{}=0.0", path.replace("easy", "hard"))),
+        _ if path.ends_with(".hard") => set(format!("{}=1.0", path.replace("hard", "easy"))),
+        "curriculum.goid.highest" => set("curriculum.goid.lowest=0.0".to_owned()),
+        "curriculum.goid.earlier" => set("curriculum.goid.fresh=0.0005".to_owned()),
+        "curriculum.goid.lowest" => set("curriculum.goid.highest=1.0".to_owned()),
+        "curriculum.sfl.candidates" => set("curriculum.sfl.kept=1".to_owned()),
+        _ if path.starts_with("curriculum.process.") => set("curriculum.process.command=python".to_owned()),
         _ => {}
     }
     if let (Some(kind), Some((table, _))) = (kind, path.rsplit_once('.')) {

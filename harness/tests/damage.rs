@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use reports::store::{RunFolder, layout};
 use rustix::process::{Pid, Signal, kill_process};
-use support::{goalbench, stderr, stdout, toy, toy_args};
+use support::{goalbench, seal, stderr, stdout, toy, toy_args};
 
 fn run(results: &Path) -> PathBuf {
     results.join("runs/Point/teach/default/seed-0")
@@ -105,30 +105,6 @@ fn a_manifest_that_was_edited_or_is_missing() {
     }
 }
 
-#[test]
-fn a_copied_folder_is_no_run_and_is_named() {
-    let folder = finished();
-    let copy = run(folder.path()).with_file_name("seed-0 (copy)");
-    RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
-    let text = folder.path().to_str().expect("a test path is UTF-8");
-    let out = folder.path().join("merged");
-    let out = out.to_str().expect("a test path is UTF-8");
-    for (args, code) in [
-        (&["status", text][..], 0),
-        (&["status", "--json", text], 0),
-        (&["status", "--strict", text], 1),
-        (&["report", text], 1),
-        (&["evaluate", "--episodes", "2", text], 0),
-        (&["merge", text, "--out", out], 0),
-    ] {
-        let output = goalbench(args);
-        assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains("seed-0 (copy)"), "{args:?}: {}", stderr(&output));
-    }
-    assert!(stdout(&goalbench(&["status", text])).contains("2 runs: 2 finished"));
-    assert!(!Path::new(out).join("runs/Point/teach/default/seed-0 (copy)").exists());
-}
-
 /// Two runs that were stopped, each with a checkpoint and a replay log.
 fn stopped() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -154,7 +130,8 @@ fn stopped() -> tempfile::TempDir {
 fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
     let folder = stopped();
     let text = folder.path().to_str().expect("a test path is UTF-8");
-    let out = folder.path().join("merged");
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let out = home.path().join("merged");
     let out = out.to_str().expect("a test path is UTF-8");
     let sound = goalbench(&["status", "--strict", text]);
     assert!(sound.status.success() && stdout(&sound).contains("2 stopped"), "{}", stdout(&sound));
@@ -165,6 +142,8 @@ fn damage_of_an_unfinished_run_is_seen_before_it_goes_on() {
         (layout::RECORDS, Some(300)),
         (layout::TEACHING, Some(0)),
         (layout::TEACHING, None),
+        (layout::STUDENT, Some(0)),
+        (layout::STUDENT, None),
         (segment, Some(0)),
         (segment, Some(1000)),
         (segment, None),
@@ -226,6 +205,73 @@ fn an_outcome_that_was_cut_off() {
 }
 
 #[test]
+fn an_outcome_that_was_edited() {
+    let folder = finished();
+    let path = run(folder.path()).join(layout::OUTCOME);
+    for bad in [
+        r#"{"status":"finished","step":0}"#,
+        r#"{"status":"finished","step":18446744073709551615}"#,
+        r#"{"status":"failed","step":400,"reason":"bad luck"}"#,
+    ] {
+        fs::write(&path, bad).expect("it can be written");
+        noticed(folder.path(), &["outcome.json", "cut off or altered after the run ended"]);
+    }
+    fs::write(&path, r#"{"status":"finished","step":360}"#).expect("it can be written");
+    seal(&run(folder.path()));
+    noticed(folder.path(), &["outcome.json", "finished at step 360, but the last evaluation is at step 400"]);
+}
+
+#[test]
+fn forged_records_whose_checksums_fit() {
+    let folder = finished();
+    let path = run(folder.path()).join(layout::RECORDS);
+    let good = fs::read_to_string(&path).expect("records");
+    for (from, to, expected) in [
+        ("\"episodes\":5", "\"episodes\":18446744073709551615", "expected as many as the config says"),
+        ("\"mean_return\":-20.0", "\"mean_return\":-1.7e308", "at least -1 for every step of an episode"),
+        ("\"gradient_steps\":40", "\"gradient_steps\":18446744073709551615", "updates per cycle"),
+        ("\"step\":400", "\"step\":18446744073709551615", "expected a step within the budget"),
+        ("\"eval_index\":2", "\"eval_index\":9", "evaluation 2 is missing"),
+    ] {
+        let forged = good.replacen(from, to, 1);
+        assert_ne!(forged, good);
+        fs::write(&path, forged).expect("it can be written");
+        seal(&run(folder.path()));
+        noticed(folder.path(), &["records.jsonl", expected]);
+    }
+}
+
+#[test]
+fn an_outcome_that_was_not_written_or_was_lost_is_written_again() {
+    let folder = finished();
+    let place = run(folder.path());
+    let files = [layout::RECORDS, layout::TIMING, layout::CHECKSUMS, layout::OUTCOME];
+    let read = || files.map(|name| fs::read(place.join(name)).expect(name));
+    let before = read();
+    let text = folder.path().to_str().expect("a test path is UTF-8");
+    // As a kill leaves it; then without the replay buffer, which --discard-replay removes.
+    for lost in [&[layout::OUTCOME][..], &[layout::OUTCOME, layout::REPLAY]] {
+        for path in lost.iter().map(|name| place.join(name)) {
+            if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }
+                .expect("it was there");
+        }
+        let status = goalbench(&["status", "--strict", text]);
+        assert!(status.status.success() && stdout(&status).contains("1 stopped"), "{}", stdout(&status));
+        toy(folder.path(), &["--seeds", "0"]);
+        assert!(read() == before && !place.join(layout::CRASHES).exists(), "{lost:?}");
+    }
+    // Whose records are not those of its checkpoint is named, and no worker tries twice.
+    fs::remove_file(place.join(layout::OUTCOME)).expect("an outcome");
+    fs::write(place.join(layout::RECORDS), "").expect("it can be written");
+    let again = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
+    assert_eq!(again.status.code(), Some(1));
+    for said in [stderr(&again), stdout(&goalbench(&["status", text]))] {
+        assert!(said.contains("records.jsonl was cut") || said.contains("records.jsonl: was cut"), "{said}");
+    }
+    assert_eq!(RunFolder::new(place).crashes().expect("sound lines").len(), 1);
+}
+
+#[test]
 fn a_run_that_lies_in_the_place_of_another() {
     let folder = finished();
     let other = "runs/Point/her-iid/default/seed-0";
@@ -261,7 +307,7 @@ fn a_lost_checkpoint_does_not_cost_the_records() {
     let again = goalbench(&toy_args(folder.path(), &["--seeds", "0"]));
     assert_eq!(again.status.code(), Some(1));
     assert!(
-        stderr(&again).contains("checkpoint.bin: is missing, though 5 evaluations"),
+        stderr(&again).contains("checkpoint.bin: is missing, though records of 5 evaluations exist"),
         "{}",
         stderr(&again)
     );

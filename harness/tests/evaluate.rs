@@ -255,8 +255,8 @@ fn wrong_input_is_refused() {
         (vec![empty], "neither a run's folder, which holds manifest.json, nor a results folder"),
         (vec![text(&file)], "neither a run's folder"),
         (vec![], "<PATH>"),
-        (vec![empty, "--episodes", "0"], "1..=1000000"),
-        (vec![empty, "--episodes", "1000001"], "1..=1000000"),
+        (vec![empty, "--episodes", "0"], "from 1 to 1000000"),
+        (vec![empty, "--episodes", "1000001"], "from 1 to 1000000"),
         (vec![empty, "--jobs", "0"], "--jobs"),
     ] {
         let output = goalbench(&[&["evaluate"], &args[..]].concat());

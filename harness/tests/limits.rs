@@ -5,11 +5,13 @@
 mod support;
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use reports::store::layout;
-use support::{stderr, toy, toy_args};
+use support::{goalbench, stderr, toy, toy_args};
 
 /// Runs goalbench with `args` in a shell that has set `limit` first.
 fn limited(limit: &str, args: &[&str]) -> Output {
@@ -47,4 +49,46 @@ fn a_run_that_may_not_write_goes_on_when_it_may() {
         fs::read(results.join("runs/Point/teach/default/seed-0").join(layout::RECORDS)).expect("records")
     };
     assert_eq!(records(folder.path()), records(undisturbed.path()));
+}
+
+#[test]
+fn too_few_files_for_the_workers_are_told_before_anything_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let results = folder.path().join("results");
+    let refused = limited("-n 10", &toy_args(&results, &["--jobs", "1"]));
+    let said = stderr(&refused);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert_eq!(
+        said.matches("may have 10 files open (ulimit -n); raise it to 32 or more").count(),
+        1,
+        "{said}"
+    );
+    assert!(!said.contains("checkpoint") && !results.exists(), "{said}");
+}
+
+#[test]
+fn a_small_file_that_unpacks_to_a_large_one_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = fs::File::create(folder.path().join("zeros.json.gz")).expect("the test folder can be written");
+    let mut packed = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    std::io::copy(&mut std::io::repeat(b' ').take(300 << 20), &mut packed).expect("it is written");
+    packed.finish().expect("it is written");
+    let output = goalbench(&["verify", text(folder.path())]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stderr(&output);
+    assert!(said.contains("zeros.json.gz: it holds more than 256 MB, the most that is read"), "{said}");
+}
+
+#[test]
+fn a_dry_run_ends_though_no_cycle_does() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let large = ["student.batch=1e6", "student.updates_per_cycle=1e6", "pool.size=1e6"];
+    let mut args = vec!["run", "--env", "Point", "--curriculum", "teach", "--dry-run", "--out"];
+    args.push(text(folder.path()));
+    args.extend(large.iter().flat_map(|assignment| ["--set", assignment]));
+    let begun = Instant::now();
+    let output = goalbench(&args);
+    assert!(output.status.success() && begun.elapsed() < Duration::from_secs(90), "{:?}", begun.elapsed());
+    let said = stderr(&output);
+    assert!(said.contains("none came through in that time, so there is no estimate"), "{said}");
 }

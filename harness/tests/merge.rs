@@ -7,9 +7,8 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::store::checksums::Checksums;
-use reports::store::{RunFolder, layout};
-use support::{goalbench, stderr, stdout, toy};
+use reports::store::layout;
+use support::{goalbench, seal, stderr, stdout, toy};
 
 /// Arguments of a merge of `sources` into `out`.
 fn merge(sources: &[&Path], out: &Path) -> std::process::Output {
@@ -116,15 +115,6 @@ fn of_several_copies_the_sound_one_is_taken_whatever_their_order() {
     assert!(merge(&[&b], &folder.path().join("alone")).status.success());
 }
 
-/// Makes what lies in the folder of an ended run what it ended with.
-fn seal(folder: &Path) {
-    let run = RunFolder::new(folder);
-    let manifest = run.manifest().expect("a manifest").expect("a manifest");
-    let sums = Checksums::of(&run, &manifest.hash).expect("its files can be read");
-    let text = serde_json::to_string(&sums).expect("plain data");
-    fs::write(folder.join(layout::CHECKSUMS), text).expect("the test folder can be written");
-}
-
 #[test]
 fn conflicting_runs_are_named_and_nothing_is_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -174,7 +164,9 @@ fn what_a_killed_merge_left_is_removed_and_nothing_else() {
     let (a, b) = shares(folder.path());
     let place = |name: &str| folder.path().join(name);
     for name in [".goalbench-merge-0123456789ab", ".goalbench-merge-held56789abc"] {
-        fs::create_dir_all(place(name).join("runs/Point")).expect("it can be created");
+        for folder in ["runs/Point", "protocols"] {
+            fs::create_dir_all(place(name).join(folder)).expect("it can be created");
+        }
     }
     let held = fs::File::create(place(".goalbench-merge-held56789abc/.lock")).expect("it can be created");
     held.lock().expect("it can be locked");
@@ -200,4 +192,25 @@ fn an_existing_folder_is_not_merged_into() {
     let output = merge(&[&a, &b], &a);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("exists already"), "{}", stderr(&output));
+}
+
+#[test]
+fn no_folder_is_its_own_source_and_none_is_taken_twice() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = shares(folder.path());
+    let link = folder.path().join("link");
+    std::os::unix::fs::symlink(&a, &link).expect("it can be linked");
+    let out = folder.path().join("all");
+    for (sources, out, expected) in [
+        ([&*a, &*b], a.join("all"), "is only read; name a place outside"),
+        ([&*b, &*a], a.join("new/all"), "is only read; name a place outside"),
+        ([&*b, &*a], link.join("all"), "is only read; name a place outside"),
+        ([&*a, &*a], out.clone(), "is the same folder as"),
+        ([&*a, &*link], out.clone(), "is the same folder as"),
+    ] {
+        let output = merge(&sources, &out);
+        assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+        assert!(!out.exists() && !a.join("new").exists(), "nothing is written");
+    }
 }

@@ -114,7 +114,12 @@ fn episodes_of(curriculum: &str, seed: u64, more: &[&str]) -> Vec<Episode> {
 }
 
 /// The same of a run that `observer` hears of.
-fn observed(curriculum: &str, seed: u64, more: &[&str], observer: &mut dyn Observer) -> Vec<Episode> {
+fn observed(
+    curriculum: &str,
+    seed: u64,
+    more: &[&str],
+    observer: &mut (dyn Observer + Send),
+) -> Vec<Episode> {
     agents::prepare_thread();
     let spec = Spec { id: "Noted", ..envs::find("Point").expect("the toy task").spec.clone() };
     let registry =

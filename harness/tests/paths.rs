@@ -5,7 +5,7 @@
 mod support;
 
 use std::ffi::{OsStr, OsString};
-use std::os::unix::ffi::OsStrExt;
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -96,4 +96,27 @@ fn gates_take_them_too() {
         ["regress".as_ref(), "check".as_ref(), "--baseline".as_ref(), &base, "--exact".as_ref()];
     let places: [&OsStr; 4] = ["--results".as_ref(), &results, "--out".as_ref(), &out];
     succeeds(folder.path(), &[&check[..], &places[..]].concat());
+}
+
+#[test]
+fn the_next_command_can_be_copied_whatever_the_folder_is_called() {
+    for results in [&b"$(id)"[..], b"spa ce", b"new\nline", b"it's", b"-x", b"a\x1b[31mb", b"res\xffults"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let out = OsString::from_vec([b"--out=", results].concat());
+        let mut args: Vec<&OsStr> = TOY.iter().map(OsStr::new).collect();
+        args.extend(["--seeds", "0", "--curriculum", "teach"].map(OsStr::new));
+        args.push(&out);
+        let told = stdout(&succeeds(folder.path(), &args));
+        let (_, next) = told.trim_end().split_once("next: goalbench ").expect("a hint");
+        let script = format!("\"$0\" {next}");
+        let output = Command::new("bash")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_goalbench")])
+            .env("LC_ALL", "C.UTF-8")
+            .current_dir(folder.path())
+            .output()
+            .expect("it starts");
+        assert!(output.status.success(), "{next}: {}", stderr(&output));
+        let report = folder.path().join(OsStr::from_bytes(results)).join("report");
+        assert!(report.is_dir(), "{next}");
+    }
 }

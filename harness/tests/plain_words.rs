@@ -65,7 +65,17 @@ fn a_value_of_a_wrong_type_is_answered_with_path_value_and_what_is_accepted() {
             "student.device: unknown value `gpu`; did you mean `cpu`? (accepted: cpu, cuda)",
         ),
         ("student=x", "student: is \"x\"; must be a table with the keys `agent`"),
-        ("budget.steps=99999999999999999999", "budget.steps: is \"99999999999999999999\"; must be"),
+        ("budget.steps=99999999999999999999", "budget.steps: is 99999999999999999999; must be"),
+        (
+            "budget.steps=1e308",
+            "budget.steps: is 1e308; must be \"auto\" or a whole number from 1 to 1000000000",
+        ),
+        ("student.actor_lr=1e999", "student.actor_lr: is 1e999; must be a number above 0"),
+        (
+            "seed.pool=18446744073709551615",
+            "is 18446744073709551615; must be \"auto\" or a whole number of at least 0, and at most 9223372036854775807",
+        ),
+        ("curriculum.teach.window=1e30", "is 1e30; must be a whole number of at least 2, and at most 92233"),
         ("evaluation.goals=3", "evaluation.goals: is 3; must be one of environment, pool"),
         ("evaluation=x", "evaluation: is \"x\"; must be a table with the keys `every`, `episodes`, `goals`"),
         ("physics.native_ccd=1", "physics.native_ccd: is 1; must be true or false"),
@@ -181,7 +191,7 @@ fn advice_about_values_that_look_like_options_can_be_followed() {
     refused_plainly(&with(&["--steps", "-1"]), &["-1", "1e5"]);
     refused_plainly(&with(&["--seeds", "-1"]), &["`-1` is not a seed"]);
     refused_plainly(&with(&["--jobs", "-1"]), &["--jobs"]);
-    refused_plainly(&with(&["--jobs", "x"]), &["--jobs", "a whole number of at least 0 is accepted"]);
+    refused_plainly(&with(&["--jobs", "x"]), &["--jobs", "a whole number from 1 to 65535 is accepted"]);
     refused_plainly(&with(&["--retries", "-1"]), &["--retries"]);
     refused_plainly(&["evaluate", "x", "--seed", "-3"], &["--seed"]);
     refused_plainly(&["regress", "check", "--baseline", "x", "--alpha", "-0.5"], &["x"]);
@@ -204,6 +214,103 @@ fn paths_values_and_files_without_end_are_refused() {
     let mut many = vec!["run", "--env", "Point", "--curriculum", "teach", "--print-config"];
     many.extend(["--set", "student.batch=3"].repeat(5_000));
     assert!(goalbench(&many).status.success());
+}
+
+#[test]
+fn what_is_repeated_of_the_command_line_is_short_and_harmless() {
+    let long = "a".repeat(100_000);
+    let odd = "\u{1b}[31mred\nand\u{202e}more";
+    let run = |more: &[&str]| {
+        let args: Vec<String> = ["run", "--env", "Point", "--curriculum", "teach"]
+            .iter()
+            .chain(more)
+            .map(|&arg| arg.to_owned())
+            .collect();
+        args
+    };
+    let alone = |args: &[&str]| args.iter().map(|&arg| arg.to_owned()).collect::<Vec<_>>();
+    for word in [long.as_str(), odd] {
+        let option = format!("--{word}");
+        for args in [
+            run(&["--steps", word]),
+            run(&["--jobs", word]),
+            run(&["--retries", word]),
+            run(&["--executor", word]),
+            run(&["--device", word, "--dry-run"]),
+            run(&["--set", word]),
+            run(&[&option]),
+            run(&[&option[1..]]),
+            run(&["one.toml", word]),
+            run(&["--seeds", word]),
+            run(&["--preset", word]),
+            run(&["--out", &format!("-{word}")]),
+            alone(&[word]),
+            alone(&["help", word]),
+            alone(&["list", word]),
+            alone(&["report", "x", "--failures", word]),
+            alone(&["report", "x", "--confidence", word]),
+            alone(&["report", "x", "--title", &format!("{word}\n")]),
+            alone(&["evaluate", "x", "--seed", word]),
+            alone(&["render", "--env", word, "--out", "x.gif"]),
+            alone(&["profile", "--env", "Point", "--curriculum", word]),
+            alone(&["regress", "check", "--baseline", "x", "--alpha", word]),
+            alone(&["status", word]),
+            alone(&["verify", word]),
+            alone(&["run", word]),
+        ] {
+            let args: Vec<&str> = args.iter().map(String::as_str).collect();
+            let output = goalbench(&args);
+            let message = stderr(&output);
+            let what = args.iter().map(|arg| &arg[..arg.len().min(20)]).collect::<Vec<_>>();
+            assert_eq!(output.status.code(), Some(2), "{what:?}: {message:.300}");
+            assert!(message.len() < 1500, "{what:?}: {} bytes", message.len());
+            assert!(!message.contains(['\u{1b}', '\u{202e}']), "{what:?}: {message:?}");
+            // Clap takes escapes out where it may not colour: what is left must still tell what was typed.
+            assert!(
+                word != odd || !message.contains("red") || message.contains("u001b"),
+                "{what:?}: {message:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn blanks_around_numbers_and_names_do_no_harm() {
+    let printed = |args: &[&str]| {
+        let output = goalbench(&[args, &["--print-config"]].concat());
+        assert!(output.status.success(), "{args:?}: {}", stderr(&output));
+        stdout(&output)
+    };
+    let text = printed(&["run", "--env", " Point, MazeA", "--curriculum", "teach , vds", "--steps", " 2k "]);
+    for cell in ["Point/teach", "MazeA/vds"] {
+        assert!(text.contains(cell), "{text}");
+    }
+    let with = ["run", "--env", "Point", "--curriculum", "teach"];
+    for number in [" 3", "3 ", "1_0", "1e1"] {
+        for option in ["--jobs", "--retries", "--steps", "--seeds"] {
+            printed(&[&with[..], &[option, number]].concat());
+        }
+    }
+}
+
+#[test]
+fn what_an_option_broke_is_told_of_that_option() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = write(
+        folder.path(),
+        &format!("{HEAD}[curriculum.teach]\nrenewal = 200\n[evaluation]\nevery = 100\n"),
+    );
+    for (assignment, field) in [
+        ("curriculum.teach.window=1e8", "curriculum.teach.renewal: must be at least"),
+        ("student.episodes_per_cycle=1000", "evaluation.every: is "),
+    ] {
+        for start in [&["run", "--env", "Point", "--curriculum", "teach"][..], &["run", &path]] {
+            let args = [start, &["--dry-run", "--set", assignment]].concat();
+            refused_plainly(&args, &[&format!("goalbench: --set {assignment}: {field}")]);
+        }
+    }
+    let path = write(folder.path(), &format!("{HEAD}[curriculum.teach]\nwindow = 1000\n"));
+    refused_plainly(&["run", &path, "--dry-run"], &[&format!("{path}:6: curriculum.teach.renewal: must be")]);
 }
 
 #[test]

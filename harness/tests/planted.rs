@@ -5,11 +5,11 @@
 mod support;
 
 use std::fs;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use reports::store::layout;
+use reports::store::{RunFolder, layout};
 use support::{stderr, stdout, toy, toy_args};
 
 fn run(results: &Path) -> PathBuf {
@@ -123,6 +123,129 @@ fn nothing_is_written_through_links() {
     assert_eq!(fs::read_to_string(&other).expect("it is there"), "precious");
 }
 
+/// Runs goalbench as somebody whom permissions bind: root is not one, unless it gives that up.
+fn bound(args: &[&str]) -> Output {
+    let locked = tempfile::tempdir().expect("a temporary folder");
+    permit(locked.path(), 0o000);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
+    if fs::read_dir(locked.path()).is_ok() {
+        command = Command::new("setpriv");
+        command.args(["--bounding-set=-dac_override,-dac_read_search", env!("CARGO_BIN_EXE_goalbench")]);
+    }
+    permit(locked.path(), 0o700);
+    command.args(args).output().expect("goalbench starts, under setpriv where this is root")
+}
+
+fn permit(path: &Path, mode: u32) {
+    fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("it is ours");
+}
+
+/// Of `results`, where one of two runs cannot be used or something hides others: every reader says each of
+/// `expected` once, status and evaluation go on with the other run, and a merge writes nothing.
+fn named_by_all(results: &Path, expected: &[&str]) {
+    let out = results.with_extension("merged");
+    let (text, out) = (text(results), text(&out));
+    for (args, code) in [
+        (&["status", text][..], 0),
+        (&["status", "--strict", text], 1),
+        (&["evaluate", "--episodes", "2", text, text], 1),
+        (&["report", text], 1),
+        (&["merge", text, "--out", out], 2),
+    ] {
+        let output = bound(args);
+        let said = stdout(&output) + &stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {said}");
+        for part in expected {
+            assert_eq!(said.matches(part).count(), 1, "{args:?}: expected {part:?} once in {said}");
+        }
+        let goes_on = ["status", "evaluate"].contains(&args[0]);
+        assert!(!goes_on || said.contains("Point/her-iid/default/seed-0"), "{args:?}: {said}");
+    }
+    assert!(!Path::new(out).exists());
+}
+
+#[test]
+fn links_that_lead_nowhere_are_no_missing_files() {
+    let folder = finished();
+    let (found, told) =
+        ([layout::RECORDS, layout::TEACHING, layout::STUDENT], "it is a link that leads nowhere");
+    for name in
+        [layout::MANIFEST, layout::OUTCOME, layout::CHECKSUMS, layout::CHECKPOINT].into_iter().chain(found)
+    {
+        let path = run(folder.path()).join(name);
+        let kept = path.with_extension("kept");
+        fs::rename(&path, &kept).expect(name);
+        symlink("nowhere", &path).expect("it can be linked");
+        named_by_all(folder.path(), &[told]);
+        let again = ends(&toy_args(folder.path(), &["--seeds", "0"]));
+        // Nothing goes on from the checkpoint of a run that has ended.
+        assert!(name == layout::CHECKPOINT || stderr(&again).contains(told), "{name}: {}", stderr(&again));
+        fs::rename(&kept, &path).expect(name);
+    }
+}
+
+#[test]
+fn what_may_not_be_read_is_named_and_the_rest_goes_on() {
+    let folder = finished();
+    let seed = run(folder.path());
+    permit(&seed, 0o000);
+    named_by_all(folder.path(), &["Permission denied"]);
+    assert_eq!(bound(&toy_args(folder.path(), &["--seeds", "0"])).status.code(), Some(2));
+    permit(&seed, 0o700);
+    let variant = folder.path().join("runs/Point/teach/default");
+    permit(&variant, 0o000);
+    named_by_all(folder.path(), &["runs/Point/teach/default: cannot be read: Permission denied"]);
+    permit(&variant, 0o700);
+    for name in ["loop", "runs/Point/loop"] {
+        let link = folder.path().join("runs").join(name.trim_start_matches("runs/"));
+        symlink(if name == "loop" { "loop" } else { ".." }, &link).expect("it can be linked");
+        named_by_all(folder.path(), &["loop: cannot be read: "]);
+        fs::remove_file(link).expect("a link");
+    }
+    permit(folder.path(), 0o000);
+    for args in [&["status", text(folder.path())][..], &["evaluate", text(folder.path())]] {
+        let refused = bound(args);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(stderr(&refused).contains("Permission denied"), "{}", stderr(&refused));
+    }
+    permit(folder.path(), 0o700);
+}
+
+#[test]
+fn a_copied_folder_is_no_run_and_is_named() {
+    let folder = finished();
+    let copy = run(folder.path()).with_file_name("seed-0 (copy)");
+    RunFolder::new(run(folder.path())).copy_to(&copy).expect("it can be copied");
+    let results = text(folder.path());
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let out = home.path().join("merged");
+    let out = text(&out);
+    for (args, code) in [
+        (&["status", results][..], 0),
+        (&["status", "--json", results], 0),
+        (&["status", "--strict", results], 1),
+        (&["report", results], 1),
+        (&["evaluate", "--episodes", "2", results], 0),
+        (&["merge", results, "--out", out], 0),
+    ] {
+        let output = ends(args);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("seed-0 (copy)"), "{args:?}: {}", stderr(&output));
+    }
+    assert!(stdout(&ends(&["status", results])).contains("2 runs: 2 finished"));
+    assert!(!Path::new(out).join("runs/Point/teach/default/seed-0 (copy)").exists());
+}
+
+#[test]
+fn a_copied_run_that_has_a_run_s_name_is_no_run() {
+    let folder = finished();
+    RunFolder::new(run(folder.path()))
+        .copy_to(&run(folder.path()).with_file_name("seed-5"))
+        .expect("it can be copied");
+    named_by_all(folder.path(), &["seed-5/manifest.json"]);
+    assert!(stdout(&bound(&["status", text(folder.path())])).contains("3 runs: 2 finished, 1 damaged"));
+}
+
 #[test]
 fn what_killed_processes_left_is_removed_by_the_next_and_nothing_else() {
     let folder = finished();
@@ -162,7 +285,7 @@ fn control_characters_are_shown_and_not_obeyed() {
         &["status", "--json", results],
         &["report", results],
         &["evaluate", "--episodes", "2", results],
-        &["merge", results, "--out", text(&folder.path().join("merged"))],
+        &["merge", results, "--out", text(&folder.path().with_extension("merged"))],
         &["status", "/nowhere/\u{1b}[31m"],
     ] {
         let output = ends(args);

@@ -5,6 +5,8 @@
 use goalbench::Registry;
 use goalbench::protocol::plan::{Plan, PlannedRun};
 use goalbench::protocol::presets::PRESETS;
+use reports::analysis::group::GroupKey;
+use reports::render::figure::Palette;
 
 #[test]
 fn every_preset_is_a_plan() {
@@ -14,6 +16,35 @@ fn every_preset_is_a_plan() {
         assert_eq!(protocol.name, preset.id);
         assert_eq!(protocol.description, preset.title);
         Plan::new(&protocol, &registry).expect(preset.id);
+    }
+}
+
+/// Colour, dashes and marker.
+type Looks = std::collections::BTreeMap<String, looks::Look>;
+
+#[test]
+fn no_two_curves_of_a_preset_look_alike() {
+    let registry = Registry::builtin();
+    let catalogue = goalbench::paper::catalogue(&registry);
+    for preset in &PRESETS {
+        let plan = Plan::new(&preset.protocol(&registry).expect(preset.id), &registry).expect(preset.id);
+        let key = |run: &PlannedRun| {
+            GroupKey::new(&catalogue, &run.key.environment, &run.key.curriculum, &run.key.variant)
+        };
+        let keys: Vec<GroupKey> = plan.runs.iter().map(key).collect();
+        let palette = Palette::new(&keys);
+        let mut found = Looks::new();
+        for key in &keys {
+            let method = format!("{}/{}", key.curriculum.id, key.variant);
+            let look = palette.look(key);
+            let before = found.insert(method.clone(), look).unwrap_or(look);
+            assert_eq!(before, look, "{}: {method} looks the same in every figure", preset.id);
+        }
+        for (method, look) in &found {
+            let alike = found.iter().find(|(other, its)| *other != method && *its == look);
+            assert!(alike.is_none(), "{}: {method} looks like {alike:?}", preset.id);
+        }
+        assert!(!found.is_empty(), "{}", preset.id);
     }
 }
 
@@ -27,6 +58,23 @@ fn the_papers_protocol_has_its_size() {
     let steps =
         |id: &str| plan.runs.iter().find(|run| run.key.environment == id).map(|run| run.config.budget.steps);
     assert_eq!((steps("MazeA"), steps("FetchPush")), (Some(400_000), Some(1_000_000)));
+}
+
+#[test]
+fn one_preset_has_every_curriculum_and_its_runs_of_the_papers_methods_are_the_papers() {
+    let registry = Registry::builtin();
+    let plan = |name: &str| {
+        let preset = PRESETS.iter().find(|preset| preset.id == name).expect(name);
+        Plan::new(&preset.protocol(&registry).expect(name), &registry).expect(name)
+    };
+    let (methods, paper) = (plan("methods"), plan("paper"));
+    for entry in registry.curricula().iter().filter(|entry| entry.needs.is_none()) {
+        let runs = methods.runs.iter().filter(|run| run.key.curriculum == entry.id).count();
+        assert_eq!(runs, 11 * 7, "{}", entry.id);
+    }
+    for run in &paper.runs {
+        assert!(methods.runs.iter().any(|other| (&other.key, &other.config) == (&run.key, &run.config)));
+    }
 }
 
 #[test]

@@ -227,9 +227,13 @@ fn a_run_goes_on_to_the_same_records_wherever_it_was_stopped_rollouts_pending_or
     for noise in ["student.noise={ kind = 'gaussian' }", "student.noise={ kind = 'ornstein-uhlenbeck' }"] {
         let settings = [noise, "curriculum.curious.episodes=3"];
         let expected = lines(curious(&settings));
-        let greedy =
-            lines(curious(&[noise, "curriculum.curious.episodes=3", "curriculum.curious.noisy=false"]));
-        assert_ne!(expected, greedy, "noise is noise");
+        // Where neither policy reaches a corner nothing tells them apart, so some students are asked.
+        let tells_apart = |weights: u64| {
+            let weights = format!("seed.weights={weights}");
+            let with = |noisy: &str| lines(curious(&[noise, &weights, noisy]));
+            with("curriculum.curious.noisy=true") != with("curriculum.curious.noisy=false")
+        };
+        assert!((0..30).any(tells_apart), "noise is noise");
         for turns in 1..25 {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let mut first =

@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use reports::store::layout;
 use serde_json::Value;
-use support::{goalbench, stderr, stdout};
+use support::{goalbench, seal, stderr, stdout};
 
 /// A protocol of six runs of a fraction of a second.
 const PROTOCOL: &str = r#"
@@ -164,12 +164,13 @@ fn a_difference_that_is_no_fall_fails_only_where_exactness_is_asked_for() {
 #[test]
 fn a_run_that_broke_down_fails_the_check() {
     let home = Home::new();
-    let outcome = home.path("runs/runs/Point/her-iid/default/seed-1").join(layout::OUTCOME);
-    fs::write(outcome, r#"{"status":"failed","step":100,"reason":"the critic's loss is not finite"}"#)
-        .expect("written");
+    let run = home.path("runs/runs/Point/her-iid/default/seed-1");
+    let outcome = r#"{"status":"failed","step":200,"reason":"the critic's loss is not finite"}"#;
+    fs::write(run.join(layout::OUTCOME), outcome).expect("written");
+    seal(&run);
     let output = home.run("check --baseline B --results R");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stdout(&output).contains("seed-1: failed at step 100: the critic's loss"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("seed-1: failed at step 200: the critic's loss"), "{}", stdout(&output));
     let record = home.run("record --protocol P --results R --out O");
     assert_eq!(record.status.code(), Some(2));
     assert!(stderr(&record).contains("a baseline needs runs that come to their end"), "{}", stderr(&record));
@@ -210,7 +211,25 @@ fn wrong_options_are_refused_before_anything_is_run() {
     refused("check --baseline B --smallest-effect=2", "--smallest-effect");
     refused("check --baseline B --keep R", "exists already");
     refused("check --baseline B --results R --seeds 3..9", "has not ended");
+    refused("check --baseline B --set student.batsh=16", "student.batsh");
+    refused("check --baseline B --set budget.steps=400", "stay the baseline's");
+    refused("check --baseline B --set student.batch=8 --exact", "cannot be used with");
     refused("false-alarms --baseline B --now 3 --before 4", "the baseline has 6");
+}
+
+/// A student that learns nothing any more falls from a perfect baseline; the baseline's own config is what it
+/// was.
+#[test]
+fn a_changed_setting_is_compared_with_the_baseline_that_did_without() {
+    let home = Home::new();
+    home.edit(perfect);
+    let output = home.run("check --baseline B --set student.actor_lr=1e-9 --keep O --jobs 2");
+    assert_eq!(output.status.code(), Some(1), "{}{}", stdout(&output), stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("the baseline was recorded without --set student.actor_lr=1e-9"), "{text}");
+    let manifest = home.path("out/runs/Point/her-iid/default/seed-0").join(layout::MANIFEST);
+    let manifest = fs::read_to_string(manifest).expect("a run was kept");
+    assert!(manifest.contains("\"actor_lr\": 1e-9") || manifest.contains("\"actor_lr\":1e-9"), "{manifest}");
 }
 
 #[test]
@@ -228,24 +247,28 @@ fn false_alarms_are_counted_the_same_way_every_time() {
 }
 
 #[test]
-fn the_committed_baseline_is_one_that_this_program_takes() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("baselines/gate.json");
+fn the_committed_baselines_are_taken_by_this_program_and_hold_every_curriculum() {
     let registry = goalbench::Registry::builtin();
-    let baseline = reports::gate::Baseline::read(&path).expect("a baseline");
-    let protocol = goalbench::regress::protocol(&baseline, &path, &registry).expect("a protocol");
-    let plan = goalbench::protocol::plan::Plan::new(&protocol, &registry).expect("a plan");
-    let cells = baseline.cells_of(&goalbench::regress::expected(&plan), &path).expect("the same config");
-    assert_eq!(cells.len(), 4 * 6, "MazeA, MazeB, MazeC, FetchReach by every curriculum");
-    for name in ["MazeA", "MazeB", "MazeC", "FetchReach"] {
-        for curriculum in registry.curricula() {
-            let is_it = |cell: &&reports::gate::cells::Cell| {
-                cell.environment == name && cell.curriculum == curriculum.id
-            };
-            assert!(cells.iter().any(|cell| is_it(&cell)), "{name}/{}", curriculum.id);
+    let mut checked = Vec::new();
+    for (name, environments) in
+        [("gate", &["MazeA", "MazeB", "MazeC", "FetchReach"][..]), ("gate-methods", &["MazeA", "FetchReach"])]
+    {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("baselines/{name}.json"));
+        let baseline = reports::gate::Baseline::read(&path).expect("a baseline");
+        let protocol = goalbench::regress::protocol(&baseline, &path, &registry).expect("a protocol");
+        let plan = goalbench::protocol::plan::Plan::new(&protocol, &registry).expect("a plan");
+        let cells = baseline.cells_of(&goalbench::regress::expected(&plan), &path).expect("the same config");
+        assert_eq!(cells.len(), environments.len() * protocol.curricula.len());
+        for environment in environments {
+            assert!(cells.iter().any(|cell| cell.environment == *environment), "{name}: {environment}");
         }
+        checked.extend(protocol.curricula);
+        // The protocol beside it is the one that was recorded.
+        let text = std::fs::read_to_string(path.with_extension("toml")).expect("a protocol");
+        let written: toml::Table = text.parse().expect("TOML");
+        assert_eq!(serde_json::to_value(written).expect("plain data"), baseline.protocol);
     }
-    // The protocol beside it is the one that was recorded.
-    let text = std::fs::read_to_string(path.with_extension("toml")).expect("a protocol");
-    let written: toml::Table = text.parse().expect("TOML");
-    assert_eq!(serde_json::to_value(written).expect("plain data"), baseline.protocol);
+    for curriculum in registry.curricula().iter().filter(|entry| entry.needs.is_none()) {
+        assert!(checked.iter().any(|id| id == curriculum.id), "{}", curriculum.id);
+    }
 }

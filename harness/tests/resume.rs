@@ -7,18 +7,24 @@ mod support;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use reports::store::{Results, layout};
-use rustix::process::{Pid, Signal, kill_process};
+use reports::store::layout;
+use rustix::process::Signal;
+use support::children::{results, signal, start, workers};
 use support::{goalbench, stderr, toy, toy_args};
 
-/// Long enough to be killed in: about three seconds. Both teachers have much to remember; SPaCE's set has
-/// grown before long.
-const LONGER: [&str; 12] = [
+/// Long enough to be killed in: about three seconds. All teachers have much to remember; SPaCE's set has
+/// grown before long, and SFL's rollouts, 40 episodes for 10 of training, are nearly always pending.
+const LONGER: [&str; 18] = [
     "--curriculum",
-    "teach,space",
+    "teach,space,sfl",
+    "--set",
+    "curriculum.sfl.interval=10",
+    "--set",
+    "curriculum.sfl.candidates=10",
+    "--set",
+    "curriculum.sfl.kept=3",
     "--set",
     "curriculum.space.update_steps=40",
     "--steps",
@@ -30,38 +36,6 @@ const LONGER: [&str; 12] = [
     "--seeds",
     "0",
 ];
-
-/// What every run recorded, the clock apart, by path.
-fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let files = runs.iter().flat_map(|run| {
-        [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME].map(|name| run.file(name))
-    });
-    files
-        .map(|path| {
-            let bytes = fs::read(&path).expect("every run has ended");
-            (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
-        })
-        .collect()
-}
-
-fn start(args: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
-    command.args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
-}
-
-fn signal(process: u32, signal: Signal) {
-    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process id");
-    // It may have ended by itself.
-    let _ = kill_process(pid, signal);
-}
-
-/// Worker processes of `parent`, read from the process table.
-fn workers(parent: u32) -> Vec<u32> {
-    let text =
-        Command::new("ps").args(["-o", "pid=", "--ppid", &parent.to_string()]).output().expect("ps runs");
-    String::from_utf8_lossy(&text.stdout).split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
-}
 
 /// The run of TEACH in `folder`.
 fn teach(folder: &Path) -> PathBuf {

@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 
 use goalbench::tracking::EVENTS;
 use reports::store::layout;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
+use support::children::{signal, start, workers};
 use support::{goalbench, stderr, toy, toy_args};
 
 fn run(results: &Path) -> PathBuf {
@@ -41,24 +42,11 @@ const LONGER: [&str; 11] = [
     "--tensorboard",
 ];
 
-fn start(results: &Path) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
-    let args = toy_args(results, &LONGER);
-    command.args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
-}
-
-fn signal(process: u32, signal: Signal) {
-    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process id");
-    // It may have ended by itself.
-    let _ = kill_process(pid, signal);
-}
-
 /// Kills `parent` and its workers without warning.
 fn kill_all(parent: &mut Child) {
-    let text = Command::new("ps").args(["-o", "pid=", "--ppid", &parent.id().to_string()]).output();
-    let text = String::from_utf8_lossy(&text.expect("ps runs").stdout).into_owned();
+    let workers = workers(parent.id());
     signal(parent.id(), Signal::KILL);
-    text.split_whitespace().filter_map(|pid| pid.parse().ok()).for_each(|pid| signal(pid, Signal::KILL));
+    workers.into_iter().for_each(|pid| signal(pid, Signal::KILL));
     parent.wait().expect("it was started here");
 }
 
@@ -73,16 +61,16 @@ fn wait_until(what: &str, is_so: impl Fn() -> bool) {
 /// A run that is killed, stopped, and brought to its end, by the same command each time. `look` sees it after
 /// each of these.
 fn interrupted(results: &Path, mut look: impl FnMut()) {
-    let mut parent = start(results);
+    let mut parent = start(&toy_args(results, &LONGER));
     wait_until("three evaluations", || records(results) >= 3);
     kill_all(&mut parent);
     look();
-    parent = start(results);
+    parent = start(&toy_args(results, &LONGER));
     wait_until("some more", || records(results) >= 8);
     signal(parent.id(), Signal::TERM);
     assert_eq!(parent.wait().expect("it was started here").code(), Some(3), "stopped, not ended");
     look();
-    assert!(start(results).wait().expect("it was started here").success());
+    assert!(start(&toy_args(results, &LONGER)).wait().expect("it was started here").success());
     look();
 }
 

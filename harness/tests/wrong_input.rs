@@ -46,10 +46,10 @@ fn unusable_options_say_what_is_accepted() {
     refused(&with(&["--set", "evaluation.every=10"]), &["evaluation.every", "one cycle"]);
     refused(&["report", "/nowhere/at/all"], &["/nowhere/at/all"]);
     for (option, value, accepted) in [
-        ("--window", "0", "1.."),
+        ("--window", "0", "a whole number from 1 to 65535 is accepted"),
         ("--confidence", "0.4", "a number above 0.5 and below 1 is accepted"),
         ("--margin", "2", "a number above 0 and below 1 is accepted"),
-        ("--fewest-pairs", "0", "1.."),
+        ("--fewest-pairs", "0", "a whole number from 1 to 65535 is accepted"),
         ("--failures", "never", "zero, apart"),
         ("--title", " ", "a line of text is accepted"),
     ] {
@@ -211,4 +211,19 @@ fn a_device_that_is_not_there_is_refused_before_anything_is_written() {
     }
     refused(&args, &["goalbench: --device: device cuda: ", "CUDA"]);
     assert!(!results.exists());
+}
+
+#[test]
+fn a_results_folder_that_is_none_is_called_so_by_all() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = |path: &std::path::Path| path.to_str().expect("a test path is UTF-8").to_owned();
+    let (missing, out) = (text(&folder.path().join("missing")), text(&folder.path().join("merged")));
+    let empty = text(&folder.path().join("empty"));
+    fs::create_dir(&empty).expect("it can be created");
+    for (place, expected) in [(&missing, "missing: cannot find this folder"), (&empty, "results folder")] {
+        refused(&["status", place], &[expected]);
+        refused(&["evaluate", place], &[expected]);
+        refused(&["report", place], &[expected]);
+        refused(&["merge", place, "--out", &out], &[expected]);
+    }
 }

@@ -6,6 +6,8 @@
 //! - `precision/L x256/bf16 to f32`: a gradient step with products in bf16 as a multiple of one in singles
 //!   (at most 0.35 is wanted where the processor has AMX, 0.62 where it has AVX512-BF16; elsewhere it is
 //!   slower);
+//! - `lanes/8 to 8 alone`: a cycle of eight students in lockstep as a multiple of the cycles of eight
+//!   students alone, in turn, on one thread (at most 1.05 is wanted);
 //! - `replay/sampling to an update`: the share of a full replay buffer's sampling in a gradient step (at most
 //!   0.05);
 //! - `act/one observation` (at most 20 µs) and `confidence/1000 goals`: times.
@@ -18,7 +20,10 @@ mod ratio;
 use std::hint::black_box;
 use std::time::Duration;
 
-use agents::{Agent, Auto, Batch, Mode, Network, Precision, Products, Replay, Source, StudentConfig};
+use agents::{
+    Agent, Auto, Batch, CohortLane, Mode, Network, Precision, Products, Replay, Source, StudentConfig,
+    make_cohort,
+};
 use cpu_time::ThreadTime;
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use envs::Observation;
@@ -129,6 +134,44 @@ fn precision(criterion: &mut Criterion<Ratio>) {
     }
 }
 
+/// A short cycle of eight students in lockstep against those of eight others, one after the other.
+fn lanes(criterion: &mut Criterion<Ratio>) {
+    const LANES: usize = 8;
+    // A thread of its own, so that neither side has another to spread to.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let config = StudentConfig { updates_per_cycle: 4, ..StudentConfig::default() };
+    let students = || -> Vec<_> {
+        agents::prepare_thread();
+        (0..LANES).map(|_| (student(&config), stream(0, Purpose::Replay))).collect()
+    };
+    let (mut alone, mut together) = (students(), students());
+    let mut cohort = make_cohort(&config, LANES).expect("a known agent");
+    let env = Still::new(FETCH);
+    let mut group = criterion.benchmark_group("lanes");
+    group.sampling_mode(SamplingMode::Flat).sample_size(20).measurement_time(Duration::from_secs(60));
+    group.bench_function("8 to 8 alone", |bencher| {
+        bencher.iter_custom(|times| {
+            let mut ratio = || {
+                agents::prepare_thread();
+                let apart = timed(|| {
+                    for (student, rng) in &mut alone {
+                        student.learn(&env, rng).expect("finite");
+                    }
+                });
+                let beside = timed(|| {
+                    let mut lanes: Vec<CohortLane<'_>> = together
+                        .iter_mut()
+                        .map(|(student, rng)| CohortLane { student: student.as_mut(), reward: &env, rng })
+                        .collect();
+                    assert!(cohort.learn(&mut lanes).iter().all(Result::is_ok), "finite");
+                });
+                beside.as_secs_f64() / apart.as_secs_f64()
+            };
+            pool.install(|| (0..times).map(|_| ratio()).sum())
+        });
+    });
+}
+
 /// Drawing a batch from a full buffer against learning from it.
 fn sampling(criterion: &mut Criterion<Ratio>) {
     agents::prepare_thread();
@@ -174,7 +217,7 @@ fn questions(criterion: &mut Criterion) {
 criterion_group! {
     name = ratios;
     config = Criterion::default().with_measurement(Ratio);
-    targets = update, precision, sampling
+    targets = update, precision, lanes, sampling
 }
 criterion_group!(times, questions);
 criterion_main!(ratios, times);

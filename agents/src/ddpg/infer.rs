@@ -5,23 +5,67 @@ use tch::{Device, TchError, Tensor};
 
 use crate::agent::Network;
 use crate::batch::{Batch, Dims, check_len};
+use crate::device::in_reach;
 use crate::episode::Trajectory;
 use crate::error::AgentError;
 use crate::inputs::{InputMatrix, Normalizers};
 use crate::losses::Discount;
-use crate::networks::{Block, Parameters, Passes, Shape, copy, read};
+use crate::networks::{Block, Parameters, Passes, Shape, Stack, copy, read};
 use crate::precision::Arithmetic;
 
-use super::update::Learner;
+use super::update::Networks;
 
 /// Rows that go through the networks at once.
 const CHUNK: usize = 1024;
 
-/// Scratch buffers for questions of one observation and of many.
+/// Rows for which asking the CPU beats waiting for another device: a row through the policy takes 10 µs, a
+/// wait 20 to 100 µs. Episodes played in lockstep ask for fewer.
+const FEW: usize = 32;
+
+/// Scratch buffers for questions of few rows and of many.
 #[derive(Debug)]
 pub(super) struct Inference {
-    one: Query,
+    /// On the CPU.
+    few: Query,
+    /// Where the networks live.
     many: Query,
+    acting: Acting,
+}
+
+/// The online policy on the CPU. Where it lives elsewhere, this is a copy, made once per cycle.
+#[derive(Debug)]
+enum Acting {
+    Itself,
+    Copy {
+        policy: Stack,
+        /// Gradient steps that were behind the policy when it was copied.
+        steps: Option<u64>,
+    },
+}
+
+impl Acting {
+    fn new(actor: Shape, device: Device) -> Result<Self, TchError> {
+        if in_reach(device) {
+            return Ok(Self::Itself);
+        }
+        Ok(Self::Copy { policy: Stack::zeros(actor, 1, Arithmetic::single(Device::Cpu))?, steps: None })
+    }
+
+    /// The online policy of `networks`, as of now.
+    fn policy<'a>(&'a mut self, networks: &'a Networks) -> Result<&'a Stack, TchError> {
+        let online = networks.actor.network(Parameters::Online);
+        match self {
+            Self::Itself => Ok(online),
+            Self::Copy { policy, steps } => {
+                let now = Some(networks.steps(0));
+                if *steps != now {
+                    policy.copy_from(online)?;
+                    *steps = now;
+                }
+                Ok(policy)
+            }
+        }
+    }
 }
 
 /// Buffers for up to `capacity` pairs of a state and a goal.
@@ -79,13 +123,13 @@ impl Query {
     /// Calls `work` with π(s, g) of the rows in use, shape `[rows · A]`.
     fn actions<T>(
         &mut self,
-        learner: &Learner,
-        policy: Parameters,
+        policy: &Stack,
+        gradient_steps: u64,
         work: impl FnOnce(&[f32]) -> T,
     ) -> Result<T, AgentError> {
-        self.actor.forward(learner.actor.network(policy), &self.views.observed)?;
+        self.actor.forward(policy, &self.views.observed)?;
         let (rows, answers) = (self.views.rows, &mut self.answers);
-        read_finite(&self.actor.output().transposed.whole, "policy's action", learner.steps, |by_columns| {
+        read_finite(&self.actor.output().transposed.whole, "policy's action", gradient_steps, |by_columns| {
             answers.clear();
             answers.extend((0..rows).flat_map(|row| by_columns[row..].iter().step_by(rows)));
             work(answers)
@@ -95,24 +139,24 @@ impl Query {
     /// Calls `work` with Q(s, g, π(s, g)) of the rows in use, shape `[rows]`.
     fn values(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         network: Network,
         work: impl FnOnce(&[f32]),
     ) -> Result<(), AgentError> {
-        self.actor.forward(learner.actor.network(network.actor()), &self.views.observed)?;
+        self.actor.forward(networks.actor.network(network.actor()), &self.views.observed)?;
         copy(&self.views.actions.plain.whole, &self.actor.output().plain.whole)?;
-        self.judge(learner, network.critic(), work)
+        self.judge(networks, network.critic(), work)
     }
 
     /// Calls `work` with Q(s, g, a) of the rows in use, whose actions are in place, shape `[rows]`.
     fn judge(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         critic: Parameters,
         work: impl FnOnce(&[f32]),
     ) -> Result<(), AgentError> {
-        self.critic.forward(learner.critic.networks.network(critic), &self.views.all)?;
-        read_finite(&self.critic.output().plain.whole, "critic's value", learner.steps, work)
+        self.critic.forward(networks.critic.network(critic), &self.views.all)?;
+        read_finite(&self.critic.output().plain.whole, "critic's value", networks.steps(0), work)
     }
 }
 
@@ -134,20 +178,33 @@ fn read_finite<T>(
 
 impl Inference {
     pub(super) fn new(dims: Dims, shapes: [Shape; 2], device: Device) -> Result<Self, TchError> {
-        Ok(Self { one: Query::new(dims, shapes, 1, device)?, many: Query::new(dims, shapes, CHUNK, device)? })
+        Ok(Self {
+            few: Query::new(dims, shapes, FEW, Device::Cpu)?,
+            many: Query::new(dims, shapes, CHUNK, device)?,
+            acting: Acting::new(shapes[0], device)?,
+        })
+    }
+
+    /// Forgets what it knows of the networks: they have become others.
+    pub(super) fn forget(&mut self) {
+        if let Acting::Copy { steps, .. } = &mut self.acting {
+            *steps = None;
+        }
     }
 
     /// Writes the online policy's action for one state and goal into `action`, shape `[A]`.
     pub(super) fn act(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         normalizers: &Normalizers,
         state: &[f64],
         goal: &[f64],
         action: &mut [f64],
     ) -> Result<(), AgentError> {
-        self.one.inputs.fill(|numbers| normalizers.write_wide(state, goal, numbers))?;
-        self.one.actions(learner, Parameters::Online, |numbers| {
+        let Self { few, acting, .. } = self;
+        few.set_rows(1)?;
+        few.inputs.fill(|numbers| normalizers.write_wide(state, goal, numbers))?;
+        few.actions(acting.policy(networks)?, networks.steps(0), |numbers| {
             for (action, &number) in action.iter_mut().zip(numbers) {
                 *action = f64::from(number);
             }
@@ -157,16 +214,23 @@ impl Inference {
     /// Calls `take` with the action (`[A]`) for every pair of a state and a goal, in order.
     pub(super) fn policy<'a>(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         normalizers: &Normalizers,
         network: Network,
         pairs: impl ExactSizeIterator<Item = (&'a [f64], &'a [f64])>,
         mut take: impl FnMut(&[f64]),
     ) -> Result<(), AgentError> {
-        let actions = self.many.dims.action;
+        let Self { few, many, acting } = self;
+        let asked = network.actor();
+        let (query, policy) = if asked == Parameters::Online && pairs.len() <= FEW {
+            (few, acting.policy(networks)?)
+        } else {
+            (many, networks.actor.network(asked))
+        };
+        let actions = query.dims.action;
         let mut wide = vec![0.0; actions];
-        self.in_chunks(normalizers, pairs, |query| {
-            query.actions(learner, network.actor(), |numbers| {
+        query.in_chunks(normalizers, pairs, |query| {
+            query.actions(policy, networks.steps(0), |numbers| {
                 for row in numbers.chunks_exact(actions) {
                     for (wide, &number) in wide.iter_mut().zip(row) {
                         *wide = f64::from(number);
@@ -180,7 +244,7 @@ impl Inference {
     /// See [`crate::Critic::confidence`].
     pub(super) fn confidence(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         normalizers: &Normalizers,
         network: Network,
         goals: &Rows,
@@ -195,8 +259,8 @@ impl Inference {
         let mut pair = 0;
         let n = goals.len();
         let pairs = (0..states.len() * n).map(|i| (states.row(i / n), goals.row(i % n)));
-        self.in_chunks(normalizers, pairs, |query| {
-            query.values(learner, network, |values| {
+        self.many.in_chunks(normalizers, pairs, |query| {
+            query.values(networks, network, |values| {
                 for &value in values {
                     sums[pair % n] += f64::from(value);
                     pair += 1;
@@ -212,7 +276,7 @@ impl Inference {
     /// See [`crate::Critic::td_errors`].
     pub(super) fn td_errors(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         normalizers: &Normalizers,
         discount: Discount,
         trajectory: &Trajectory,
@@ -232,8 +296,8 @@ impl Inference {
         }
         let mut targets = Vec::with_capacity(actions.len());
         let next = (1..states.len()).map(|step| (states.row(step), wanted.as_slice()));
-        self.in_chunks(normalizers, next, |query| {
-            query.values(learner, Network::Target, |values| {
+        self.many.in_chunks(normalizers, next, |query| {
+            query.values(networks, Network::Target, |values| {
                 for &value in values {
                     let reward = reward.reward(achieved.row(targets.len() + 1), wanted) as f32;
                     targets.push(discount.target(reward, value));
@@ -253,7 +317,7 @@ impl Inference {
                     }
                 }
             })?;
-            self.many.judge(learner, Parameters::Online, |values| {
+            self.many.judge(networks, Parameters::Online, |values| {
                 let pairs = values.iter().zip(&targets[first..]);
                 errors.extend(pairs.map(|(&value, &target)| f64::from(target) - f64::from(value)));
             })?;
@@ -264,7 +328,7 @@ impl Inference {
     /// See [`crate::Critic::label_next_actions`].
     pub(super) fn label_next_actions(
         &mut self,
-        learner: &Learner,
+        networks: &Networks,
         normalizers: &Normalizers,
         network: Network,
         batch: &mut Batch,
@@ -283,11 +347,14 @@ impl Inference {
                 }
             })?;
             let labels = &mut batch.next_actions[first * action..][..rows * action];
-            self.many.actions(learner, network.actor(), |numbers| labels.copy_from_slice(numbers))?;
+            let policy = networks.actor.network(network.actor());
+            self.many.actions(policy, networks.steps(0), |numbers| labels.copy_from_slice(numbers))?;
         }
         Ok(())
     }
+}
 
+impl Query {
     /// Puts `pairs` into the inputs, a chunk at a time, and calls `ask` on each chunk.
     fn in_chunks<'a>(
         &mut self,
@@ -295,16 +362,16 @@ impl Inference {
         mut pairs: impl ExactSizeIterator<Item = (&'a [f64], &'a [f64])>,
         mut ask: impl FnMut(&mut Query) -> Result<(), AgentError>,
     ) -> Result<(), AgentError> {
-        let columns = self.many.dims.critic_inputs();
+        let columns = self.dims.critic_inputs();
         while pairs.len() > 0 {
             let rows = CHUNK.min(pairs.len());
-            self.many.set_rows(rows)?;
-            self.many.inputs.fill(|numbers| {
+            self.set_rows(rows)?;
+            self.inputs.fill(|numbers| {
                 for (row, (state, goal)) in numbers.chunks_exact_mut(columns).zip(pairs.by_ref().take(rows)) {
                     normalizers.write_wide(state, goal, row);
                 }
             })?;
-            ask(&mut self.many)?;
+            ask(self)?;
         }
         Ok(())
     }

@@ -29,6 +29,10 @@
 //! - Learning starts with the first cycle (Baselines), unless a warm-up of random actions is asked for
 //!   (`warmup_episodes`). Until it is over, networks and targets stay as they are; normalisers move.
 
+mod cohort;
+#[cfg(test)]
+mod cohort_tests;
+mod cycle;
 mod infer;
 #[cfg(test)]
 mod reference_tests;
@@ -40,7 +44,7 @@ mod update;
 mod wiring_tests;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Observation, Reward, Rows, Spec};
@@ -48,7 +52,7 @@ use envs::{Observation, Reward, Rows, Spec};
 use crate::actor::PolicyWeights;
 use crate::agent::{Agent, Critic, Mode, Network};
 use crate::batch::{Batch, Dims, check_len};
-use crate::config::{PolyakEvery, StudentConfig};
+use crate::config::StudentConfig;
 use crate::diagnosis::Diagnosis;
 use crate::draw::Hindsight;
 use crate::episode::{Episode, Trajectory};
@@ -61,9 +65,11 @@ use crate::normalizer::Normalizer;
 use crate::precision::Arithmetic;
 use crate::replay::{Log, Replay, Source};
 
+pub(crate) use cohort::DdpgCohort;
+use cycle::{Lane, cycle};
 use infer::Inference;
 pub(crate) use state::check_replay;
-use update::Learner;
+use update::{Learner, Networks};
 
 /// The DDPG + HER student.
 #[derive(Debug)]
@@ -71,6 +77,9 @@ pub(crate) struct Ddpg {
     spec: Spec,
     config: StudentConfig,
     discount: Discount,
+    shapes: [Shape; 2],
+    arithmetic: Arithmetic,
+    networks: Networks,
     learner: Learner,
     inference: Inference,
     normalizers: Normalizers,
@@ -93,14 +102,17 @@ impl Ddpg {
         let dims = Dims::of(spec);
         let layers = config.layers(spec);
         let shape = |inputs, outputs, output| Shape { inputs, layers, width: config.width, outputs, output };
-        let actor = shape(dims.actor_inputs(), dims.action, Output::Tanh);
-        let critic = shape(dims.critic_inputs(), 1, Output::Linear);
+        let shapes = [
+            shape(dims.actor_inputs(), dims.action, Output::Tanh),
+            shape(dims.critic_inputs(), 1, Output::Linear),
+        ];
         let discount = Discount { gamma: config.gamma(spec) };
         let rng = &mut stream(seed, Purpose::Weights);
         let normalizer = |width| Normalizer::new(config.normalizer, width);
         Ok(Self {
-            learner: Learner::new(&config, discount, dims, [actor, critic], arithmetic, rng)?,
-            inference: Inference::new(dims, [actor, critic], arithmetic.device)?,
+            networks: Networks::new(dims, shapes, arithmetic, rng)?,
+            learner: Learner::new(&config, discount, dims, shapes, 1, arithmetic)?,
+            inference: Inference::new(dims, shapes, arithmetic.device)?,
             normalizers: Normalizers { state: normalizer(dims.state), goal: normalizer(dims.goal) },
             replay: Replay::new(spec, config.replay_capacity)?,
             log: Log::default(),
@@ -110,6 +122,8 @@ impl Ddpg {
             sampling: Duration::ZERO,
             spec: spec.clone(),
             discount,
+            shapes,
+            arithmetic,
             config,
         })
     }
@@ -117,6 +131,29 @@ impl Ddpg {
     /// Whether some episodes of the warm-up have yet to come in.
     fn is_warming_up(&self) -> bool {
         self.replay.stored() < self.config.warmup_episodes
+    }
+
+    /// Whether the coming cycle has gradient steps.
+    ///
+    /// # Errors
+    /// [`AgentError::EmptyReplay`] if it should have and there is nothing to learn from.
+    fn is_learning(&self) -> Result<bool, AgentError> {
+        match (self.is_warming_up(), self.replay.is_empty()) {
+            (true, _) => Ok(false),
+            (false, true) => Err(AgentError::EmptyReplay),
+            (false, false) => Ok(true),
+        }
+    }
+
+    /// What takes its gradient steps, and where their transitions come from.
+    fn in_training<'a>(
+        &'a mut self,
+        reward: &'a dyn Reward,
+        rng: &'a mut Rng,
+    ) -> (&'a mut Learner, &'a mut Networks, Lane<'a>, &'a StudentConfig) {
+        let Self { learner, networks, replay, normalizers, batch, sampling, config, .. } = self;
+        let hindsight = config.hindsight();
+        (learner, networks, Lane { replay, hindsight, normalizers, reward, rng, batch, sampling }, config)
     }
 }
 
@@ -126,7 +163,7 @@ impl Critic for Ddpg {
     }
 
     fn gradient_steps(&self) -> u64 {
-        self.learner.steps
+        self.networks.steps(0)
     }
 
     fn lowest_value(&self) -> f64 {
@@ -134,7 +171,7 @@ impl Critic for Ddpg {
     }
 
     fn confidence(&mut self, goals: &Rows, states: &Rows, network: Network) -> Result<Vec<f64>, AgentError> {
-        self.inference.confidence(&self.learner, &self.normalizers, network, goals, states)
+        self.inference.confidence(&self.networks, &self.normalizers, network, goals, states)
     }
 
     fn policy(&mut self, states: &Rows, goals: &Rows, network: Network) -> Result<Rows, AgentError> {
@@ -143,7 +180,7 @@ impl Critic for Ddpg {
         check_len("the goals of a policy query", states.len(), goals.len())?;
         let mut actions = Rows::with_capacity(self.spec.action, states.len());
         let pairs = states.iter().zip(goals.iter());
-        self.inference.policy(&self.learner, &self.normalizers, network, pairs, |row| actions.push(row))?;
+        self.inference.policy(&self.networks, &self.normalizers, network, pairs, |row| actions.push(row))?;
         Ok(actions)
     }
 
@@ -182,7 +219,7 @@ impl Critic for Ddpg {
     }
 
     fn td_errors(&mut self, trajectory: &Trajectory, reward: &dyn Reward) -> Result<Vec<f64>, AgentError> {
-        self.inference.td_errors(&self.learner, &self.normalizers, self.discount, trajectory, reward)
+        self.inference.td_errors(&self.networks, &self.normalizers, self.discount, trajectory, reward)
     }
 
     fn replay_batch(&self, reward: &dyn Reward, rng: &mut Rng, batch: &mut Batch) -> Result<(), AgentError> {
@@ -191,7 +228,7 @@ impl Critic for Ddpg {
 
     fn label_next_actions(&mut self, batch: &mut Batch, network: Network) -> Result<(), AgentError> {
         Dims::of(&self.spec).check(batch.dims)?;
-        self.inference.label_next_actions(&self.learner, &self.normalizers, network, batch)
+        self.inference.label_next_actions(&self.networks, &self.normalizers, network, batch)
     }
 }
 
@@ -206,7 +243,7 @@ impl Agent for Ddpg {
         check_len("a state", self.spec.state, observation.state.len())?;
         check_len("a goal", self.spec.goal, goal.len())?;
         check_len("an action", self.spec.action, action.len())?;
-        self.inference.act(&self.learner, &self.normalizers, &observation.state, goal, action)?;
+        self.inference.act(&self.networks, &self.normalizers, &observation.state, goal, action)?;
         match mode {
             Mode::Greedy => {}
             Mode::Explore(rng) if self.is_warming_up() => uniform(action, rng),
@@ -235,22 +272,11 @@ impl Agent for Ddpg {
     }
 
     fn learn(&mut self, reward: &dyn Reward, rng: &mut Rng) -> Result<(), AgentError> {
-        if self.is_warming_up() {
+        if !self.is_learning()? {
             return Ok(());
         }
-        for _ in 0..self.config.updates_per_cycle {
-            let begun = Instant::now();
-            self.replay.sample(Source::All, self.config.hindsight(), reward, rng, &mut self.batch)?;
-            self.sampling += begun.elapsed();
-            self.learner.update(&self.batch, &self.normalizers)?;
-            if self.config.polyak_every == PolyakEvery::Update {
-                self.learner.follow(self.config.polyak)?;
-            }
-        }
-        if self.config.polyak_every == PolyakEvery::Cycle {
-            self.learner.follow(self.config.polyak)?;
-        }
-        self.learner.check()
+        let (learner, networks, lane, config) = self.in_training(reward, rng);
+        cycle(learner, networks, &mut [lane], config)?.pop().expect("a verdict for every lane")
     }
 
     fn sampling_time(&self) -> Option<Duration> {
@@ -263,7 +289,7 @@ impl Agent for Ddpg {
         } else {
             // Batch and gradients are scratch memory: every gradient step begins by filling them anew.
             self.replay.sample(Source::All, self.config.hindsight(), reward, rng, &mut self.batch)?;
-            Some(self.learner.dry_step(&self.batch, &self.normalizers)?)
+            Some(self.learner.dry_step(&mut self.networks, &self.batch, &self.normalizers)?)
         };
         Ok(Diagnosis {
             replay_episodes: self.replay.len() as u64,

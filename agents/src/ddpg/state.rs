@@ -39,9 +39,9 @@ struct Saved {
 pub(super) fn encode(student: &Ddpg) -> Result<Vec<u8>, AgentError> {
     let saved = Saved {
         environment: student.spec.id.to_owned(),
-        actor: student.learner.actor.save()?,
-        critic: student.learner.critic.networks.save()?,
-        gradient_steps: student.learner.steps,
+        actor: student.networks.actor.save()?,
+        critic: student.networks.critic.save()?,
+        gradient_steps: student.networks.steps(0),
         state_moments: student.normalizers.state.moments().clone(),
         goal_moments: student.normalizers.goal.moments().clone(),
         noise: student.noise.process().to_vec(),
@@ -64,9 +64,9 @@ pub(super) fn decode(student: &mut Ddpg, state: &[u8]) -> Result<u64, AgentError
     if saved.noise.len() != student.spec.action {
         return Err(AgentError::misfit(format!("noise of {} components", saved.noise.len())));
     }
-    student.learner.actor.load(&saved.actor)?;
-    student.learner.critic.networks.load(&saved.critic)?;
-    student.learner.steps = saved.gradient_steps;
+    student.networks.actor.load(&saved.actor)?;
+    student.networks.critic.load(&saved.critic)?;
+    student.inference.forget();
     student.normalizers.state.set_moments(saved.state_moments)?;
     student.normalizers.goal.set_moments(saved.goal_moments)?;
     student.noise.set_process(&saved.noise);
@@ -151,7 +151,14 @@ mod tests {
                 achieved.push(&env.observation().achieved);
                 actions.push(&action);
             }
-            let episode = Episode { states, achieved, actions, goal: env.goal().to_vec(), success: false };
+            let episode = Episode {
+                states,
+                achieved,
+                actions,
+                goal: env.goal().to_vec(),
+                total_reward: 0.0,
+                success: false,
+            };
             agent.observe(&episode, env.as_ref(), replay).unwrap();
         }
     }

@@ -31,7 +31,7 @@ fn taught() -> (Ddpg, Box<dyn GoalEnv>) {
         };
         let (states, achieved, actions) = (rows(21), rows(21), rows(20));
         let goal = achieved.row(7).to_vec();
-        let episode = Episode { states, achieved, actions, goal, success: false };
+        let episode = Episode { states, achieved, actions, goal, total_reward: 0.0, success: false };
         student.observe(&episode, env.as_ref(), &mut rng).unwrap();
         student.learn(env.as_ref(), &mut rng).unwrap();
     }

@@ -24,13 +24,13 @@ fn scene(config: &StudentConfig) -> (Ddpg, Box<dyn GoalEnv>, Rng) {
     (Ddpg::new(config, env.spec(), 3).unwrap(), env, stream(3, Purpose::Replay))
 }
 
-fn small() -> StudentConfig {
+pub(super) fn small() -> StudentConfig {
     StudentConfig { batch: Auto::Value(16), width: 8, updates_per_cycle: 3, ..StudentConfig::default() }
 }
 
 /// Episode number e in numbers that say where they belong: at step t the state is (e, t) and the achieved
 /// goal (e, t/100); the goal asked for is (−e, 0).
-fn episode(number: u16) -> Episode {
+pub(super) fn episode(number: u16) -> Episode {
     let e = f64::from(number);
     let [mut states, mut achieved, mut actions] = [2, 2, 2].map(Rows::new);
     for t in 0..=20 {
@@ -40,7 +40,7 @@ fn episode(number: u16) -> Episode {
             actions.push(&[0.1, -0.1]);
         }
     }
-    Episode { states, achieved, actions, goal: vec![-e, 0.0], success: false }
+    Episode { states, achieved, actions, goal: vec![-e, 0.0], total_reward: 0.0, success: false }
 }
 
 #[test]
@@ -110,10 +110,10 @@ fn targets_follow_once_per_cycle_whatever_the_preset() {
             let (mut student, env, mut rng) = scene(&StudentConfig { preset, polyak, ..small() });
             student.observe(&episode(1), env.as_ref(), &mut rng).unwrap();
             for cycle in 1..=3 {
-                let before = [&student.learner.actor, &student.learner.critic.networks].map(networks);
+                let before = [&student.networks.actor, &student.networks.critic].map(networks);
                 student.learn(env.as_ref(), &mut rng).unwrap();
                 assert_eq!(student.gradient_steps(), 3 * cycle);
-                let after = [&student.learner.actor, &student.learner.critic.networks].map(networks);
+                let after = [&student.networks.actor, &student.networks.critic].map(networks);
                 for ([old_online, old_target], [online, target]) in before.into_iter().zip(after) {
                     assert_ne!(old_online, online);
                     let [keep, take] = [polyak as f32, (1.0 - polyak) as f32];
@@ -146,9 +146,10 @@ fn check_batches(hindsight: Hindsight) {
     let mut batch = Batch::new(env.spec(), 16);
     for _ in 0..3 {
         by_hand.replay.sample(Source::All, hindsight, env.as_ref(), &mut draws, &mut batch).unwrap();
-        by_hand.learner.update(&batch, &by_hand.normalizers).unwrap();
+        by_hand.learner.inputs.fill(&batch, &by_hand.normalizers).unwrap();
+        by_hand.learner.update(&mut by_hand.networks).unwrap();
     }
-    by_hand.learner.follow(0.95).unwrap();
+    by_hand.networks.follow(0.95).unwrap();
     assert!(state::encode(&whole).unwrap() == state::encode(&by_hand).unwrap());
     assert_eq!(rng, draws);
 }
@@ -311,10 +312,9 @@ fn networks_have_the_shape_of_preset_and_task() {
         let defaults = Defaults { layers, ..Defaults::TOY };
         let spec = Spec { id: "Shapes", family: "toy", state: 25, goal: 3, action: 4, horizon: 50, defaults };
         let student = Ddpg::new(&StudentConfig::preset(preset), &spec, 0).unwrap();
-        let learner = &student.learner;
         assert_eq!(student.fresh.len(), 50);
         assert_eq!(Auto::Value(student.batch.len()), student.config.batch);
-        [&learner.actor, &learner.critic.networks].map(|trained| networks(trained)[0].len())
+        [&student.networks.actor, &student.networks.critic].map(|trained| networks(trained)[0].len())
     };
     let middle = 256 * 256 + 256;
     let actor = (28 * 256 + 256) + middle + (256 * 4 + 16);

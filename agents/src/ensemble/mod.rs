@@ -14,7 +14,7 @@ use crate::episode::Episode;
 use crate::error::{AgentError, StateProblem};
 use crate::inputs::{InputMatrix, Normalizers, TransitionInputs};
 use crate::losses::Discount;
-use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, read};
+use crate::networks::{Output, Parameters, Passes, SavedStack, Shape, Trained, read};
 use crate::normalizer::{Moments, Normalizer, NormalizerConfig};
 use crate::precision::Arithmetic;
 use crate::value::ValueLearner;
@@ -75,6 +75,7 @@ pub struct Ensemble {
     dims: Dims,
     discount: Discount,
     normalizers: Normalizers,
+    networks: Trained,
     learner: ValueLearner,
     inputs: TransitionInputs,
     query: Query,
@@ -132,7 +133,8 @@ impl Ensemble {
             dims,
             discount,
             normalizers: Normalizers { state: normalizer(dims.state), goal: normalizer(dims.goal) },
-            learner: ValueLearner::new(shape, members, batch, discount, arithmetic, rng)?,
+            networks: Trained::new(shape, members, arithmetic, rng)?,
+            learner: ValueLearner::new(shape, members, batch, discount, arithmetic)?,
             inputs: TransitionInputs::new(dims, members, batch, arithmetic)?,
             query: Query::new(shape, members, Arithmetic::single(arithmetic.device))?,
             steps: 0,
@@ -185,12 +187,12 @@ impl Ensemble {
     /// [`AgentError::Diverged`] if the loss is not finite.
     pub fn update(&mut self, batch: &Batch) -> Result<f64, AgentError> {
         self.inputs.fill(batch, &self.normalizers)?;
-        self.learner.networks.zero_gradient()?;
+        self.networks.zero_gradient()?;
         let mut loss = 0.0;
         for part in &self.inputs.parts {
-            loss += self.learner.add_gradient(part, self.inputs.n)?;
+            loss += self.learner.add_gradient(&mut self.networks, part, self.inputs.n)?.total()?;
         }
-        self.learner.networks.step(self.config.lr)?;
+        self.networks.step(self.config.lr)?;
         self.steps += 1;
         if loss.is_finite() {
             Ok(loss / self.config.members as f64)
@@ -204,8 +206,8 @@ impl Ensemble {
     /// # Errors
     /// [`AgentError::Diverged`] if a parameter is not finite.
     pub fn follow(&mut self) -> Result<(), AgentError> {
-        self.learner.networks.follow(self.config.polyak)?;
-        if self.learner.networks.is_finite()? {
+        self.networks.follow(self.config.polyak)?;
+        if self.networks.are_finite()?.into_iter().all(|finite| finite) {
             Ok(())
         } else {
             Err(AgentError::Diverged { what: "ensemble", gradient_steps: self.steps })
@@ -260,7 +262,7 @@ impl Ensemble {
         })?;
         passes.set_rows(rows)?;
         let shared = inputs.block.rows(0, rows)?.repeated(self.config.members)?;
-        passes.forward(self.learner.networks.network(Parameters::Online), &shared)?;
+        passes.forward(self.networks.network(Parameters::Online), &shared)?;
         let lowest = self.discount.lowest_value();
         read(&passes.output().plain.whole, |numbers| {
             if numbers.iter().any(|q| !q.is_finite()) {
@@ -281,7 +283,7 @@ impl Ensemble {
     /// [`AgentError::Torch`] if the parameters cannot be read.
     pub fn save(&self) -> Result<Vec<u8>, AgentError> {
         let saved = Saved {
-            networks: self.learner.networks.save()?,
+            networks: self.networks.save()?,
             state: Cow::Borrowed(self.normalizers.state.moments()),
             goal: Cow::Borrowed(self.normalizers.goal.moments()),
             steps: self.steps,
@@ -298,7 +300,7 @@ impl Ensemble {
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), AgentError> {
         let saved: Saved<'_> = postcard::from_bytes(bytes)
             .map_err(|error| AgentError::State { source: StateProblem::Ensemble(error) })?;
-        self.learner.networks.load(&saved.networks)?;
+        self.networks.load(&saved.networks)?;
         self.normalizers.state.set_moments(saved.state.into_owned())?;
         self.normalizers.goal.set_moments(saved.goal.into_owned())?;
         self.steps = saved.steps;

@@ -178,6 +178,7 @@ fn episode() -> Episode {
         achieved: rows(1, &[0.0; 5]),
         actions: rows(1, &[0.5; 4]),
         goal: vec![0.7],
+        total_reward: 0.0,
         success: false,
     }
 }

@@ -25,6 +25,5 @@ pub(crate) use block::{Block, Views, copy};
 pub(crate) use passes::Passes;
 pub(crate) use shape::{Output, Shape};
 pub(crate) use slices::{read, with_slices};
-#[cfg(test)]
 pub(crate) use stack::Stack;
 pub(crate) use trained::{Parameters, SavedStack, Trained};

@@ -12,6 +12,7 @@ use crate::precision::{Arithmetic, Precision};
 /// One number for every parameter of E networks of one shape: the parameters themselves, or their gradients.
 #[derive(Debug)]
 pub(crate) struct Stack {
+    shape: Shape,
     /// All numbers, shape `[E, P]`. Whoever changes them calls [`Stack::round`].
     pub(super) flat: Tensor,
     /// A copy of them for products in less than single precision.
@@ -54,9 +55,14 @@ impl Stack {
             Precision::F32 => None,
             Precision::Bf16 => Some(take(arithmetic.options())?),
         };
+        Self::over(shape, flat, rounded)
+    }
+
+    /// The networks whose numbers are `flat`, shape `[E, P]`, with a copy in less than single precision.
+    fn over(shape: Shape, flat: Tensor, rounded: Option<Tensor>) -> Result<Self, TchError> {
         let view_of = |numbers: &Tensor, rows: usize, columns: usize, offset: usize| {
-            let size = [members as i64, rows as i64, columns as i64];
-            numbers.f_as_strided(size, [parameters, columns as i64, 1], offset as i64)
+            let part = numbers.f_narrow(1, offset as i64, (rows * columns) as i64)?;
+            part.f_view([part.size()[0], rows as i64, columns as i64])
         };
         let view = |rows, columns, offset| view_of(&flat, rows, columns, offset);
         let layers = shape
@@ -74,7 +80,13 @@ impl Stack {
                 Ok(LayerViews { weight: weights(&flat)?, rounded, bias })
             })
             .collect::<Result<_, TchError>>()?;
-        Ok(Self { flat, rounded, layers })
+        Ok(Self { shape, flat, rounded, layers })
+    }
+
+    /// The member with this index: a stack of one that shares its memory with this one.
+    pub(super) fn member(&self, index: usize) -> Result<Self, TchError> {
+        let row = |numbers: &Tensor| numbers.f_narrow(0, index as i64, 1);
+        Self::over(self.shape, row(&self.flat)?, self.rounded.as_ref().map(row).transpose()?)
     }
 
     /// Xavier-uniform weights drawn from `rng`, zero biases (Glorot and Bengio 2010, Eq. 16; Baselines).
@@ -130,9 +142,9 @@ impl Stack {
         self.round()
     }
 
-    /// Whether every number is finite.
-    pub(crate) fn is_finite(&self) -> Result<bool, TchError> {
-        Ok(self.flat.f_isfinite()?.f_all()?.f_int64_value(&[])? != 0)
+    /// Whether every number is finite, member by member.
+    pub(super) fn are_finite(&self) -> Result<Vec<bool>, TchError> {
+        Vec::try_from(self.flat.f_isfinite()?.f_all_dim(1, false)?)
     }
 }
 

@@ -8,7 +8,7 @@ use tch::{TchError, Tensor};
 use super::adam::Adam;
 use super::block::copy;
 use super::shape::Shape;
-use super::slices::{read, with_slices};
+use super::slices::{read, same_memory, with_slices};
 use super::stack::Stack;
 use crate::device::in_reach;
 use crate::error::AgentError;
@@ -50,12 +50,57 @@ impl Trained {
         arithmetic: Arithmetic,
         rng: &mut Rng,
     ) -> Result<Self, TchError> {
-        let online = Stack::xavier(shape, members, arithmetic, rng)?;
+        let networks = Self::zeros(shape, members, arithmetic)?;
+        networks.online.copy_from(&Stack::xavier(shape, members, arithmetic, rng)?)?;
+        networks.target.copy_from(&networks.online)?;
+        Ok(networks)
+    }
+
+    /// Networks of zeros that have taken no step.
+    pub(crate) fn zeros(shape: Shape, members: usize, arithmetic: Arithmetic) -> Result<Self, TchError> {
+        let online = Stack::zeros(shape, members, arithmetic)?;
         let target = Stack::zeros(shape, members, arithmetic)?;
-        target.copy_from(&online)?;
         let gradient = Stack::zeros(shape, members, Arithmetic::single(arithmetic.device))?;
         let adam = Adam::new(&online.flat)?;
         Ok(Self { online, target, gradient, adam })
+    }
+
+    /// The member with this index, which shares its memory with this stack. Steps are counted by both.
+    pub(crate) fn member(&self, index: usize) -> Result<Self, TchError> {
+        Ok(Self {
+            online: self.online.member(index)?,
+            target: self.target.member(index)?,
+            gradient: self.gradient.member(index)?,
+            adam: self.adam.member(index)?,
+        })
+    }
+
+    /// Whether this is [`Trained::member`] `index` of `stack`.
+    pub(crate) fn is_member(&self, stack: &Self, index: usize) -> bool {
+        let Ok(row) = stack.online.flat.f_narrow(0, index as i64, 1) else { return false };
+        same_memory(&row, &self.online.flat)
+    }
+
+    /// Overwrites all that is remembered with that of networks of the same shape.
+    pub(crate) fn copy_from(&mut self, other: &Self) -> Result<(), TchError> {
+        self.online.copy_from(&other.online)?;
+        self.target.copy_from(&other.target)?;
+        self.adam.copy_from(&other.adam)
+    }
+
+    /// Adam's steps so far, per member.
+    pub(crate) fn steps(&self) -> &[u64] {
+        &self.adam.steps
+    }
+
+    /// Counts the steps of `member` as if it had taken so many.
+    pub(crate) fn set_steps(&mut self, member: usize, steps: u64) {
+        self.adam.steps[member] = steps;
+    }
+
+    /// Prepares for `count` steps of size `lr`.
+    pub(crate) fn plan(&mut self, lr: f64, count: usize) -> Result<(), TchError> {
+        self.adam.plan(&self.online.flat, lr, count)
     }
 
     /// The networks asked for.
@@ -95,9 +140,10 @@ impl Trained {
         self.target.round()
     }
 
-    /// Whether every parameter is finite. A target that follows finite networks is finite too.
-    pub(crate) fn is_finite(&self) -> Result<bool, TchError> {
-        self.online.is_finite()
+    /// Whether every parameter is finite, member by member. A target that follows finite networks is finite
+    /// too.
+    pub(crate) fn are_finite(&self) -> Result<Vec<bool>, TchError> {
+        self.online.are_finite()
     }
 
     /// Everything it must remember.
@@ -108,7 +154,8 @@ impl Trained {
             target: self.target.numbers()?,
             adam_first: numbers(&self.adam.first)?,
             adam_second: numbers(&self.adam.second)?,
-            adam_steps: self.adam.steps,
+            // All members of what is saved have taken the same.
+            adam_steps: self.adam.steps[0],
         })
     }
 
@@ -127,7 +174,7 @@ impl Trained {
             }
             copy(tensor, &Tensor::f_from_slice(numbers)?.f_view_as(tensor)?)?;
         }
-        self.adam.steps = saved.adam_steps;
+        self.adam.steps.fill(saved.adam_steps);
         self.online.round()?;
         self.target.round()?;
         Ok(())

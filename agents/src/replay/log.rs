@@ -233,8 +233,14 @@ mod tests {
             (0..3).for_each(|step| rows.push(&[number as f64 + f64::from(step) / 4.0]));
             let mut actions = Rows::new(1);
             (0..2).for_each(|_| actions.push(&[0.5]));
-            let episode =
-                Episode { states: rows.clone(), achieved: rows, actions, goal: vec![-1.0], success: false };
+            let episode = Episode {
+                states: rows.clone(),
+                achieved: rows,
+                actions,
+                goal: vec![-1.0],
+                total_reward: 0.0,
+                success: false,
+            };
             replay.push(&episode).unwrap();
         }
     }

@@ -50,6 +50,7 @@ pub enum Source {
 ///     achieved: zeros(spec.horizon + 1, spec.goal),
 ///     actions: zeros(spec.horizon, spec.action),
 ///     goal: vec![0.5; spec.goal],
+///     total_reward: 0.0,
 ///     success: false,
 /// })?;
 ///

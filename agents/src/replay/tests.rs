@@ -65,7 +65,7 @@ fn episode(number: usize) -> Episode {
             actions.push(&[e + t / 8.0]);
         }
     }
-    Episode { states, achieved, actions, goal: vec![-e], success: false }
+    Episode { states, achieved, actions, goal: vec![-e], total_reward: 0.0, success: false }
 }
 
 /// A buffer of room for `capacity` episodes that has taken in the episodes 1 to `episodes`.

@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod cohort;
 mod contract;
 mod determinism;
 mod learning;

@@ -88,6 +88,7 @@ pub(crate) fn random_episode(spec: &Spec, rng: &mut Rng) -> Episode {
         achieved: random_rows(spec.horizon + 1, spec.goal, rng),
         actions: random_rows(spec.horizon, spec.action, rng),
         goal: random_rows(1, spec.goal, rng).row(0).to_vec(),
+        total_reward: 0.0,
         success: false,
     }
 }

@@ -41,8 +41,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         name: "target-frozen",
         title: "target networks are never updated",
         file: "agents/src/ddpg/update.rs",
-        original: "        self.actor.follow(polyak)?;\n        self.critic.networks.follow(polyak)?;\n",
-        faulty: "        let _ = polyak;\n",
+        original: "        self.both().into_iter().try_for_each(|networks| networks.follow(polyak))\n",
+        faulty: "        self.both().into_iter().try_for_each(|_| { let _ = polyak; Ok(()) })\n",
         shows: true,
     },
     Fault {

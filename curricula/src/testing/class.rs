@@ -136,8 +136,8 @@ impl Class {
         }
     }
 
-    /// The end of a cycle: student and teacher learn, and the teacher hears of the probe rollouts that it asks
-    /// for, if any.
+    /// The end of a cycle: student and teacher learn, and the teacher hears of the probe rollouts that it
+    /// asks for, if any.
     pub fn learn(&mut self) {
         self.learn_alone();
         if let Some(request) = self.request() {

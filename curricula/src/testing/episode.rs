@@ -23,6 +23,7 @@ pub fn standing_still(env: &dyn GoalEnv) -> Episode {
         achieved: rows(&env.observation().achieved, horizon + 1, goal),
         actions: rows(&vec![0.0; action], horizon, action),
         goal: env.goal().to_vec(),
+        total_reward: env.reward(&env.observation().achieved, env.goal()) * horizon as f64,
         success: false,
     }
 }

@@ -50,6 +50,8 @@ fn shared_fields_stand_where_the_method_has_them() {
     assert_eq!(fields("teach"), format!("window interplay record signal {probe} selection"));
     assert_eq!(fields("space"), format!("eta kappa order update_steps {probe}"));
     assert_eq!(fields("procurl"), format!("beta bounds {probe} selection"));
+    let mega = "candidates samples bandwidth cutoff easy hard episodes";
+    assert_eq!((fields("mega"), fields("omega")), (mega.into(), format!("b renewal desired {mega}")));
 }
 
 #[test]
@@ -65,9 +67,21 @@ fn the_order_in_which_fields_are_written_does_not_matter() {
     }
 }
 
+/// A field of a method with a value out of its range, and what is said to be accepted.
+type Refused = (&'static str, &'static str, Value, &'static str);
+
+/// Every value is refused with the name of its field and what is accepted.
+fn refuse(cases: &[Refused]) {
+    for (id, field, value, accepted) in cases {
+        let (named, reason) = refusal(entry(id), field, value.clone());
+        assert_eq!(named, *field);
+        assert!(reason.contains(accepted), "{id}.{field}: {reason}");
+    }
+}
+
 #[test]
-fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
-    let cases: [(&str, &str, Value, &str); 37] = [
+fn values_out_of_range_are_refused_by_the_papers_methods() {
+    refuse(&[
         ("teach", "window", 1.into(), "at least 2"),
         ("teach", "window", (-1).into(), "invalid value"),
         ("teach", "interplay", 0.into(), "at least 1"),
@@ -105,17 +119,65 @@ fn a_value_out_of_range_is_named_with_its_field_and_what_is_accepted() {
         ("vds", "learning_rate", f64::NAN.into(), "positive and finite"),
         ("vds", "polyak", 1.5.into(), "\"auto\" or in [0, 1]"),
         ("vds", "polyak", (-0.1).into(), "\"auto\" or in [0, 1]"),
-    ];
-    for (id, field, value, accepted) in cases {
-        let (named, reason) = refusal(entry(id), field, value);
-        assert_eq!(named, field);
-        assert!(reason.contains(accepted), "{id}.{field}: {reason}");
-    }
+    ]);
+}
+
+#[test]
+fn values_out_of_range_are_refused_by_the_other_methods() {
+    refuse(&[
+        ("sfl", "interval", 0.into(), "at least 1"),
+        ("sfl", "candidates", 0.into(), "in 1..=100000"),
+        ("sfl", "rollouts", 1.into(), "in 2..=1000"),
+        ("sfl", "kept", 51.into(), "in 1..=50, the candidates"),
+        ("sfl", "share", 1.5.into(), "in [0, 1]"),
+        ("sfl", "charge", "yes".into(), "expected a boolean"),
+        ("plr", "score", "max".into(), "expected `absolute` or `positive`"),
+        ("plr", "beta", 0.0.into(), "positive and finite"),
+        ("plr", "staleness", f64::NAN.into(), "in [0, 1]"),
+        ("plr", "schedule", "never".into(), "expected `proportionate` or `fixed`"),
+        ("plr", "replay", (-0.5).into(), "in [0, 1]"),
+        ("goid", "lowest", (-0.1).into(), "in [0, 1]"),
+        ("goid", "highest", 0.05.into(), "in [0.1, 1]"),
+        ("goid", "window", 1.into(), "in 2..=100000"),
+        ("goid", "goals_per_region", 0.into(), "at least 1"),
+        ("goid", "fresh", 0.0.into(), "in (0, 1]"),
+        ("goid", "fresh", 0.9.into(), "at most 1 together with `earlier`, which is 0.2"),
+        ("lp", "regions", 0.into(), "in 1..=100000"),
+        ("lp", "window", 100_001.into(), "in 1..=100000"),
+        ("lp", "epsilon", 1.5.into(), "in [0, 1]"),
+        ("alp-gmm", "fit_every", 19.into(), "in 20..=10000"),
+        ("alp-gmm", "fit_every", 10_001.into(), "in 20..=10000"),
+        ("alp-gmm", "components", 1.into(), "in 2..=20"),
+        ("alp-gmm", "components", 21.into(), "in 2..=20"),
+        ("alp-gmm", "random", 1.1.into(), "in [0, 1]"),
+        ("alp-gmm", "random", f64::NAN.into(), "in [0, 1]"),
+        ("alp-gmm", "candidates", 0.into(), "in 1..=100000"),
+        ("mega", "candidates", 0.into(), "in 1..=10000"),
+        ("mega", "samples", 100_001.into(), "in 1..=100000"),
+        ("mega", "bandwidth", 0.0.into(), "in [0.001, 1000]"),
+        ("mega", "bandwidth", f64::NAN.into(), "in [0.001, 1000]"),
+        ("mega", "cutoff", 0.1.into(), "in [-1000, 0]"),
+        ("mega", "cutoff", (-1001.0).into(), "in [-1000, 0]"),
+        ("mega", "easy", 1.5.into(), "in (0, 1]"),
+        ("mega", "hard", 0.7.into(), "in [0, 1) and below `easy`"),
+        ("mega", "hard", (-0.1).into(), "in [0, 1) and below `easy`"),
+        ("mega", "episodes", 0.into(), "in 1..=10000"),
+        ("omega", "b", f64::INFINITY.into(), "in [-1000, 1000]"),
+        ("omega", "renewal", 0.into(), "in 1..=100000"),
+        ("omega", "desired", 10_001.into(), "in 1..=10000"),
+        ("omega", "cutoff", 1.0.into(), "in [-1000, 0]"),
+        ("hgg", "goals", 0.into(), "in 1..=1000"),
+        ("hgg", "trajectories", 49.into(), "at least `goals` and at most 10000"),
+        ("hgg", "trajectories", 10_001.into(), "at least `goals` and at most 10000"),
+        ("hgg", "c", (-1.0).into(), "in [0, 1000000]"),
+        ("hgg", "lipschitz", 0.0.into(), "in [0.001, 1000000]"),
+        ("hgg", "least_motion", f64::NAN.into(), "finite and at least 0"),
+    ]);
 }
 
 #[test]
 fn the_ends_of_every_range_are_accepted() {
-    let cases: [(&str, &str, &[Value]); 17] = [
+    let cases: [(&str, &str, &[Value]); 50] = [
         ("teach", "window", &[2.into()]),
         ("teach", "interplay", &[1.into()]),
         ("teach", "replay_states", &[1.into(), 1024.into()]),
@@ -133,6 +195,39 @@ fn the_ends_of_every_range_are_accepted() {
         ("vds", "updates_per_cycle", &[1.into(), 1_000_000.into(), "auto".into()]),
         ("vds", "batch", &[1.into(), 65_536.into(), "auto".into()]),
         ("vds", "polyak", &[0.0.into(), 1.0.into(), "auto".into()]),
+        ("sfl", "interval", &[1.into(), i64::MAX.into()]),
+        ("sfl", "candidates", &[10.into(), 100_000.into()]),
+        ("sfl", "rollouts", &[2.into(), 1000.into()]),
+        ("sfl", "kept", &[1.into(), 50.into()]),
+        ("sfl", "share", &[0.0.into(), 1.0.into()]),
+        ("plr", "beta", &[1e-3.into(), f64::MAX.into()]),
+        ("plr", "staleness", &[0.0.into(), 1.0.into()]),
+        ("plr", "replay", &[0.0.into(), 1.0.into()]),
+        ("goid", "lowest", &[0.0.into(), 0.9.into()]),
+        ("goid", "highest", &[0.1.into(), 1.0.into()]),
+        ("goid", "window", &[2.into(), 100_000.into()]),
+        ("goid", "goals_per_region", &[1.into(), i64::MAX.into()]),
+        ("goid", "fresh", &[1e-9.into(), 0.8.into()]),
+        ("lp", "regions", &[1.into(), 100_000.into()]),
+        ("lp", "epsilon", &[0.0.into(), 1.0.into()]),
+        ("alp-gmm", "fit_every", &[20.into(), 10_000.into()]),
+        ("alp-gmm", "components", &[2.into(), 20.into()]),
+        ("alp-gmm", "random", &[0.0.into(), 1.0.into()]),
+        ("alp-gmm", "candidates", &[1.into(), 100_000.into()]),
+        ("mega", "candidates", &[1.into(), 10_000.into()]),
+        ("mega", "samples", &[1.into(), 100_000.into()]),
+        ("mega", "cutoff", &[0.0.into(), (-1000.0).into()]),
+        ("mega", "easy", &[1.0.into()]),
+        ("mega", "hard", &[0.0.into()]),
+        ("mega", "episodes", &[1.into(), 10_000.into()]),
+        ("omega", "b", &[(-1000.0).into(), 1000.0.into()]),
+        ("omega", "renewal", &[1.into(), 100_000.into()]),
+        ("omega", "desired", &[1.into(), 10_000.into()]),
+        ("hgg", "goals", &[1.into(), 1000.into()]),
+        ("hgg", "trajectories", &[50.into(), 10_000.into()]),
+        ("hgg", "c", &[0.0.into(), 1e6.into()]),
+        ("hgg", "lipschitz", &[0.001.into(), 1e6.into()]),
+        ("mega", "bandwidth", &[0.001.into(), 1000.0.into()]),
     ];
     for (id, field, values) in cases {
         for value in values {

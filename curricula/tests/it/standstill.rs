@@ -57,7 +57,7 @@ fn play(env: &mut dyn GoalEnv, student: &mut dyn Agent, exploration: &mut Rng) -
         actions.push(&action);
     }
     let goal = env.goal().to_vec();
-    agents::Episode { states, achieved, actions, goal, success: false }
+    agents::Episode { states, achieved, actions, goal, total_reward: 0.0, success: false }
 }
 
 #[test]

@@ -23,6 +23,22 @@ pub fn in_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_obeyed)
 }
 
+/// The longest text that is repeated in a message, in characters.
+const LONGEST: usize = 80;
+
+/// `text` as it is repeated in a message: on one line, and cut where it is long.
+///
+/// ```
+/// assert_eq!(guard::text::short("a\nb"), "a\\u000ab");
+/// assert_eq!(guard::text::short(&"x".repeat(1000)), "x".repeat(80) + "…");
+/// ```
+pub fn short(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => in_line(&text[..end]).into_owned() + "…",
+        None => in_line(text).into_owned(),
+    }
+}
+
 fn escaped(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_shown) {
         return Cow::Borrowed(text);

@@ -1,6 +1,6 @@
 //! The file format: gzipped JSON, read strictly.
 
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
@@ -108,11 +108,14 @@ impl Meta {
     }
 }
 
+/// The most bytes that a trace file may unpack to: a small file of zeros can hold any number of them.
+const MOST_UNPACKED: u64 = 256 << 20;
+
 /// Reads and parses a trace file.
 pub(super) fn read(path: &Path) -> Result<Recording, Box<Problem>> {
     let file = guard::files::open(path).map_err(Problem::Read)?;
-    let mut text = String::new();
-    MultiGzDecoder::new(BufReader::new(file)).read_to_string(&mut text).map_err(Problem::Read)?;
+    let unpacked = MultiGzDecoder::new(BufReader::new(file));
+    let text = guard::files::text_within(unpacked, MOST_UNPACKED).map_err(Problem::Read)?;
     let json = &mut serde_json::Deserializer::from_str(&text);
     serde_path_to_error::deserialize(json).map_err(|error| {
         Box::new(Problem::Parse { field: error.path().to_string(), source: error.into_inner() })

@@ -14,7 +14,7 @@ use crate::world::World;
 const THRESHOLD: f64 = 0.1;
 
 /// Where a point starts, which goals it gets, and how it moves.
-pub(super) trait Ground: Send {
+pub(super) trait Ground: Send + Sync {
     /// Draws a start.
     fn start(&self, draws: &mut Draws<'_>) -> [f64; 2];
 

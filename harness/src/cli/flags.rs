@@ -1,6 +1,7 @@
 //! Flags that several commands take, for `#[command(flatten)]`.
 
-use std::ops::RangeInclusive;
+use std::convert::Infallible;
+use std::ops::{Bound, RangeBounds};
 use std::path::{Path, PathBuf};
 
 use crate::config::{count, seeds};
@@ -11,8 +12,8 @@ use crate::sweep::reporter::Detail;
 /// `--jobs`.
 #[derive(clap::Args)]
 pub(super) struct JobsFlag {
-    /// Runs side by side, one thread each [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads at work, one for each run at a time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     jobs: Option<u16>,
 }
 
@@ -149,19 +150,48 @@ impl SeedsFlag {
     }
 }
 
-/// A count of steps, episodes or cycles, for `value_parser`: digits, or as in 1e5 and 100k.
-pub(super) fn count(text: &str) -> Result<u64, String> {
-    count::parse(text)
+/// A whole number of type `T` within `range`, for `value_parser`: digits, or as in 1e5 and 100k.
+pub(super) fn whole<T: TryFrom<u64>>(
+    range: impl RangeBounds<u64> + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = count::parse(text).filter(|number| range.contains(number));
+        number.and_then(|number| T::try_from(number).ok()).ok_or_else(|| accepted::<T>(&range))
+    }
 }
 
-/// The same within a range.
-pub(super) fn count_in(
-    range: RangeInclusive<u64>,
-) -> impl Fn(&str) -> Result<u64, String> + Clone + Send + Sync + 'static {
-    move |text| {
-        let count = count::parse(text)?;
-        if range.contains(&count) { Ok(count) } else { Err(format!("{count} is not in {range:?}")) }
+/// What [`whole`] accepts.
+fn accepted<T>(range: &impl RangeBounds<u64>) -> String {
+    let least = match range.start_bound() {
+        Bound::Included(least) => *least,
+        Bound::Excluded(_) | Bound::Unbounded => 0,
+    };
+    let most = match range.end_bound() {
+        Bound::Included(most) => *most,
+        Bound::Excluded(_) | Bound::Unbounded => u64::MAX >> (u64::BITS as usize - 8 * size_of::<T>()),
+    };
+    match (least, most) {
+        (0, u64::MAX) => format!("{} is accepted", count::ACCEPTED),
+        _ => format!("a whole number from {least} to {most} is accepted"),
     }
+}
+
+/// A number, for `value_parser`.
+pub(super) fn number(text: &str) -> Result<f64, &'static str> {
+    text.trim().parse().map_err(|_| "a number is accepted")
+}
+
+/// The same above `least` and below 1.
+pub(super) fn between(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = number(text).ok().filter(|number| *number > least && *number < 1.0);
+        number.ok_or_else(|| format!("a number above {least} and below 1 is accepted"))
+    }
+}
+
+/// A name in a list, for `value_parser`: people put blanks after commas.
+pub(super) fn name(text: &str) -> Result<String, Infallible> {
+    Ok(text.trim().to_owned())
 }
 
 /// Seeds as `option` gives them.

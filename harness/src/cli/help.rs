@@ -7,13 +7,15 @@ use crate::error::HarnessError;
 
 /// The page about the JSON that commands print.
 const JSON: &str = include_str!("../../docs/json.md");
+/// How to write a curriculum in Python.
+const PYTHON: &str = include_str!("../../docs/python.md");
 /// The nouns.
 const GLOSSARY: &str = include_str!("../../docs/glossary.md");
 
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A command such as `run`, or a page: `config` (a path after it shows a part, as in `config
-    /// student.noise`), `json` or `glossary`
+    /// student.noise`), `python`, `json` or `glossary`
     subject: Vec<String>,
 }
 
@@ -26,6 +28,7 @@ pub(super) fn help(registry: &Registry, mut program: clap::Command, args: &Args)
             HarnessError::unknown("", "config field", path, fields.iter().map(|field| field.path.as_str()))
         })?,
         ["json"] => JSON.to_owned(),
+        ["python"] => PYTHON.to_owned(),
         ["glossary"] => GLOSSARY.to_owned(),
         names => {
             program.build();
@@ -35,7 +38,7 @@ pub(super) fn help(registry: &Registry, mut program: clap::Command, args: &Args)
                     .get_subcommands()
                     .filter(|command| !command.is_hide_set())
                     .map(|command| command.get_name().to_owned())
-                    .chain(["config", "json", "glossary"].map(str::to_owned))
+                    .chain(["config", "python", "json", "glossary"].map(str::to_owned))
                     .collect();
                 if command.find_subcommand(name).is_none() {
                     return Err(HarnessError::unknown("", "command", name, known.iter().map(String::as_str)));

@@ -1,6 +1,7 @@
 //! `goalbench list`.
 
 use clap::ValueEnum;
+use curricula::methods::process::PYTHON_HELPER;
 use serde_json::{Value, json};
 
 use super::{Exit, ExitCode, print};
@@ -10,7 +11,7 @@ use crate::protocol::{self, presets::PRESETS};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// What to list; everything but `config` and `schema` if left out
+    /// What to list; everything but `config`, `schema` and `python` if left out
     what: Option<What>,
     /// Print JSON
     #[arg(long)]
@@ -31,6 +32,8 @@ enum What {
     Config,
     /// The JSON schema of protocol files, for editors
     Schema,
+    /// The one-file helper for curricula in Python: put it beside yours
+    Python,
 }
 
 pub(super) fn list(registry: &Registry, args: &Args) -> Exit {
@@ -77,7 +80,8 @@ fn as_json(registry: &Registry, what: What) -> Value {
             .map(|entry| {
                 json!({
                     "id": entry.id, "title": entry.title, "source": entry.source, "version": entry.version,
-                    "uses_pool": entry.uses_pool, "defaults": (entry.defaults)(),
+                    "uses_pool": entry.uses_pool, "needs": entry.needs,
+                    "defaults": (entry.defaults)(),
                 })
             })
             .collect(),
@@ -86,6 +90,7 @@ fn as_json(registry: &Registry, what: What) -> Value {
         }
         What::Config => json!(config::defaults(registry)),
         What::Schema => protocol::schema(registry),
+        What::Python => json!(PYTHON_HELPER),
     }
 }
 
@@ -112,6 +117,7 @@ fn as_text(registry: &Registry, what: What) -> String {
         }
         What::Config => config::defaults(registry).to_string(),
         What::Schema => format!("{:#}\n", protocol::schema(registry)),
+        What::Python => PYTHON_HELPER.to_owned(),
     }
 }
 

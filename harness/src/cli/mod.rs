@@ -47,6 +47,7 @@ use clap::{Parser, Subcommand};
 use crate::Registry;
 use crate::console::{self, complain, print};
 use crate::error::{HarnessError, chain};
+use crate::estimate;
 use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
 use crate::sweep::{ExitCode, local, trial, worker};
@@ -98,19 +99,27 @@ enum Command {
     Completions(completions::CompletionsArgs),
     /// Write a page of the manual for each command
     Man(completions::ManArgs),
-    /// Explain a command, every config field (`help config`), or the JSON that commands print (`help json`)
+    /// Explain a command, every config field (`help config`), curricula in Python (`help python`), or the
+    /// JSON that commands print (`help json`)
     Help(help::Args),
-    /// Carry out the one run whose manifest lies in FOLDER (what `run` starts for each run)
+    /// Carry out the runs whose manifests lie in FOLDERS, in lockstep (what `run` starts for each cohort)
     #[command(hide = true)]
     Worker {
-        /// The run's folder
-        folder: PathBuf,
+        /// The runs' folders
+        #[arg(required = true)]
+        folders: Vec<PathBuf>,
         /// Keep a TensorBoard event file
         #[arg(long)]
         tensorboard: bool,
-        /// Remove the replay buffer once the run has finished
+        /// Remove the replay buffer of a run once it has finished
         #[arg(long)]
         discard_replay: bool,
+        /// Threads for all runs
+        #[arg(long, default_value_t = 1)]
+        threads: usize,
+        /// Lanes that a GPU's products are made for
+        #[arg(long, default_value_t = 1)]
+        width: usize,
     },
     /// Carry out task INDEX of a submitted job array (what `run --executor slurm` submits)
     #[command(hide = true)]
@@ -126,13 +135,19 @@ enum Command {
     /// Try out runs given as JSON lines (what `run` starts before it writes anything)
     #[command(hide = true)]
     TryRuns,
+    /// Measure how fast runs are, which are given as JSON lines (what `run --dry-run` starts)
+    #[command(hide = true)]
+    MeasureRuns {
+        /// How many at a time
+        parallel: usize,
+    },
 }
 
 /// The whole program with the environments and curricula of `registry`.
 pub fn main(registry: Registry) -> std::process::ExitCode {
     let cli: Cli = match misuse::parse() {
         Ok(cli) => cli,
-        Err(answer) => return console::verdict(without_a_command(&answer)).into(),
+        Err(answer) => return console::verdict(without_a_command(answer)).into(),
     };
     outlive_file_limits();
     let result = match cli.command {
@@ -155,12 +170,12 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
         Command::TryRuns => trial::try_runs(&registry),
-        Command::Worker { folder, tensorboard, discard_replay } => {
-            let keeping = worker::Keeping { tensorboard, discard_replay };
-            worker::work(&registry, &folder, keeping).or_else(|(code, error)| {
-                complain_of(&error);
-                Ok(code)
-            })
+        Command::MeasureRuns { parallel } => estimate::measure_runs(&registry, parallel),
+        Command::Worker { folders, tensorboard, discard_replay, threads, width } => {
+            let keeping = worker::Keeping { tensorboard, discard_replay, threads, width };
+            let worked = worker::work(&registry, &folders, keeping);
+            worked.errors.iter().for_each(complain_of);
+            Ok(worked.code())
         }
     };
     let code = result.unwrap_or_else(|error| {
@@ -171,7 +186,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
 }
 
 /// Shows the help or version that was asked for, or what is wrong with the command line.
-fn without_a_command(answer: &clap::Error) -> ExitCode {
+fn without_a_command(answer: clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // Nobody is left to be told if this fails.
         let _ = std::io::stderr().write_all(misuse::text::<Cli>(answer).as_bytes());

@@ -1,6 +1,6 @@
 //! `goalbench profile`.
 
-use super::flags::count_in;
+use super::flags::{name, whole};
 use super::{Exit, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
@@ -17,22 +17,22 @@ use crate::sweep::ExitCode;
 )]
 pub(super) struct Args {
     /// Environment to train on
-    #[arg(long = "env", value_name = "ID")]
+    #[arg(long = "env", value_name = "ID", value_parser = name)]
     environment: String,
     /// Curriculum that teaches
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = name)]
     curriculum: String,
     /// Cycles to train: with the default config 2 episodes and 40 gradient steps each
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = count_in(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u64>(1..=100_000))]
     cycles: u64,
     /// Any config field but the budget, as in student.device=cuda [repeatable]
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Profile N processes at once against one alone, instead of parts
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(2..))]
     beside: Option<u16>,
     /// Rounds of --beside, one after the other
-    #[arg(long, value_name = "N", default_value_t = 3, requires = "beside", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "beside", value_parser = whole::<u16>(1..))]
     rounds: u16,
     /// Print JSON
     #[arg(long)]

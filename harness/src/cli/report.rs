@@ -9,7 +9,7 @@ use reports::store::problem::StoreProblem;
 use reports::wording::counted;
 use reports::{Guest, ReportOptions};
 
-use super::flags::QuietFlag;
+use super::flags::{QuietFlag, between, name, whole};
 use super::{Exit, ExitCode, complain, print};
 use crate::archive::{EXTENSION, Unpacked, unpack};
 use crate::error::HarnessError;
@@ -24,7 +24,7 @@ pub(super) struct Args {
     /// Results folder, as written by `goalbench run`
     results: PathBuf,
     /// Evaluations at the end of a run that its final success averages
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(1..))]
     window: u16,
     /// Coverage of intervals, and what verdicts keep: 1 minus the chance of a false one
     #[arg(long, value_name = "SHARE", default_value_t = 0.95, value_parser = between(0.5))]
@@ -33,7 +33,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RATE", default_value_t = MARGIN, value_parser = between(0.0))]
     margin: f64,
     /// Fewest pairs of runs with the same seed, in all environments together, for a verdict
-    #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = whole::<u16>(1..))]
     fewest_pairs: u16,
     /// Runs that broke down: success 0 from then on, or left out and counted
     #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = ["zero", "apart"])]
@@ -45,10 +45,10 @@ pub(super) struct Args {
     #[arg(long)]
     diagnostics: bool,
     /// Only these environments of the results, by id, separated by commas
-    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Only these curricula of the results, by id, separated by commas
-    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
     /// Archive of `goalbench pack` to draw beside these results, marked by its name [repeatable]
     #[arg(long = "with", value_name = "NAME.tar.zst")]
@@ -67,15 +67,6 @@ pub(super) struct Args {
 pub(super) fn title(text: &str) -> Result<String, &'static str> {
     let is_readable = !text.trim().is_empty() && !text.chars().any(char::is_control);
     is_readable.then(|| text.trim().to_owned()).ok_or("a line of text is accepted")
-}
-
-/// Numbers above `least` and below 1.
-fn between(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| {
-        let number = text.parse().map_err(|_| format!("a number above {least} and below 1 is accepted"))?;
-        let is_inside = number > least && number < 1.0;
-        is_inside.then_some(number).ok_or_else(|| format!("a number above {least} and below 1 is accepted"))
-    }
 }
 
 impl Args {

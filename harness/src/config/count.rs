@@ -7,28 +7,24 @@ const EXACT: f64 = 9_007_199_254_740_992.0;
 pub const ACCEPTED: &str = "a whole number such as 100000, 1e5 or 100k";
 
 /// The count that `text` stands for: digits with `_` between them, an exponent, or one of the endings `k`
-/// (thousand) and `M` (million).
-///
-/// # Errors
-/// What is wrong, with what is accepted: for anything else, for what is not whole, and for what is too large
-/// for a count.
-pub fn parse(text: &str) -> Result<u64, String> {
-    let wrong = || format!("`{text}` is not a count; accepted: {ACCEPTED}");
+/// (thousand) and `M` (million), with blanks around. `None` for anything else, for what is not whole, and for
+/// what is too large for a count.
+pub fn parse(text: &str) -> Option<u64> {
     let plain = text.trim().replace('_', "");
     if !plain.starts_with(|c: char| c.is_ascii_digit()) {
-        return Err(wrong());
+        return None;
     }
     if let Ok(count) = plain.parse() {
-        return Ok(count);
+        return Some(count);
     }
     let (digits, unit) = match plain.char_indices().last() {
         Some((end, 'k' | 'K')) => (&plain[..end], 1e3),
         Some((end, 'm' | 'M')) => (&plain[..end], 1e6),
         _ => (plain.as_str(), 1.0),
     };
-    let decimal = digits.chars().all(|c| c.is_ascii_digit() || ".eE+".contains(c));
-    let number: f64 = digits.parse().map_err(|_| wrong())?;
-    if decimal { whole(number * unit).ok_or_else(wrong) } else { Err(wrong()) }
+    let is_decimal = digits.chars().all(|c| c.is_ascii_digit() || ".eE+".contains(c));
+    let number: f64 = digits.parse().ok()?;
+    if is_decimal { whole(number * unit) } else { None }
 }
 
 /// A float as the count that it is, if it is one.
@@ -57,7 +53,7 @@ mod tests {
             (" 7 ", 7),
             ("18446744073709551615", u64::MAX),
         ] {
-            assert_eq!(parse(text), Ok(count), "{text}");
+            assert_eq!(parse(text), Some(count), "{text}");
         }
     }
 
@@ -67,8 +63,7 @@ mod tests {
             "", "k", "-1", "+1", "1.5", "1e-3", "1e400", "1e17", "nan", "inf", "x", "5x", "1 000", "1kk",
             "0x10",
         ] {
-            let reason = parse(text).expect_err(text);
-            assert!(reason.contains("1e5") && reason.contains(text), "{reason}");
+            assert_eq!(parse(text), None, "{text}");
         }
     }
 }

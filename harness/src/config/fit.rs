@@ -2,12 +2,13 @@
 //!
 //! Ranges are left to those who own the fields; here they are only told to a user who gave no number at all.
 
+use guard::text::short;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
 use super::count;
 use super::strict::FieldError;
-use super::words::{accepted, given, names, short, tagged};
+use super::words::{accepted, given, is_beyond_integers, names, tagged};
 use crate::suggest::closest;
 
 /// Checks `value`, which stands at `path`, against `schema`. A whole number may be written as a count
@@ -48,7 +49,7 @@ pub fn fit(schema: &Json, value: &mut Value, path: &str) -> Result<(), FieldErro
 
 /// The error of a value that `schema` does not accept.
 fn refuse(schema: &Json, value: &Value, path: &str) -> Result<(), FieldError> {
-    let reason = format!("is {}; must be {}", given(value), accepted(schema));
+    let reason = format!("is {}; must be {}{}", given(value), accepted(schema), largest(schema, value));
     Err(FieldError { path: path.to_owned(), reason })
 }
 
@@ -70,7 +71,7 @@ fn fit_integer(schema: &Json, value: &mut Value, path: &str) -> Result<(), Field
     let written = match value {
         Value::Integer(number) => Some(*number),
         Value::Float(number) => count::whole(*number).and_then(|count| i64::try_from(count).ok()),
-        Value::String(text) => count::parse(text).ok().and_then(|count| i64::try_from(count).ok()),
+        Value::String(text) => count::parse(text).and_then(|count| i64::try_from(count).ok()),
         _ => None,
     };
     let unsigned = schema["format"].as_str().is_some_and(|format| format.starts_with("uint"));
@@ -80,6 +81,18 @@ fn fit_integer(schema: &Json, value: &mut Value, path: &str) -> Result<(), Field
             Ok(())
         }
         _ => refuse(schema, value, path),
+    }
+}
+
+/// What is added where `value` is beyond all integers and the field knows no smaller bound.
+fn largest(schema: &Json, value: &Value) -> String {
+    let branches = schema["anyOf"].as_array().into_iter().flatten();
+    let is_unbounded = schema["maximum"].is_null()
+        && [schema].into_iter().chain(branches).any(|one| one["type"] == "integer");
+    if is_unbounded && is_beyond_integers(value) {
+        format!(", and at most {}", i64::MAX)
+    } else {
+        String::new()
     }
 }
 

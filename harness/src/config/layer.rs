@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use guard::text::short;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
-use super::words::short;
 use crate::error::HarnessError;
 
 /// A TOML document with its text, so that errors can name lines.
@@ -173,7 +173,7 @@ impl ConfigLayer {
     }
 
     /// Whether the layer sets the field at `path`, or something above or below it.
-    fn touches(&self, path: &[&str]) -> bool {
+    pub(super) fn touches(&self, path: &[&str]) -> bool {
         let Some((first, rest)) = path.split_first() else { return true };
         let mut value = self.table.get(*first);
         for segment in rest {

@@ -4,8 +4,10 @@
 //! `curriculum.teach.window`. Low to high: the environment's defaults, the student's preset, the
 //! protocol's tables, its overrides, the variant's patch, the command line.
 
+mod cause;
 pub mod count;
 pub mod fit;
+pub mod frontier;
 pub mod layer;
 pub mod notes;
 pub mod reference;
@@ -18,6 +20,8 @@ pub mod words;
 use agents::{Auto, Preset, StudentConfig};
 use curricula::Entry as CurriculumEntry;
 use envs::Spec;
+use guard::text::short;
+use reports::wording::counted;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -25,10 +29,10 @@ use toml::{Table, Value};
 use crate::Registry;
 use crate::error::HarnessError;
 use fit::fit;
-use layer::{ConfigLayer, merge, place_of};
+use frontier::FrontierOptions;
+use layer::{ConfigLayer, merge};
 use streams::StreamSeeds;
 use strict::{FieldError, field_error};
-use words::short;
 
 /// Everything that decides a run's bytes, apart from environment id and seed.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -38,6 +42,10 @@ pub struct RunConfig {
     pub budget: Budget,
     /// How to measure.
     pub evaluation: Evaluation,
+    /// Measures of the student's success at every goal of the pool.
+    // At its default it leaves no trace in manifests: runs keep the hashes that they had before this table.
+    #[serde(default, skip_serializing_if = "FrontierOptions::is_default")]
+    pub frontier: FrontierOptions,
     /// Physics options of MuJoCo environments.
     pub physics: PhysicsOptions,
     /// The pool of candidate goals.
@@ -56,7 +64,8 @@ pub struct RunConfig {
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
-    /// Environment steps of training; whole cycles are run until at least this many are taken.
+    /// Environment steps of training, and of probe rollouts that are charged; whole cycles are run until at
+    /// least this many are taken.
     ///
     /// Unit: steps. Range: 1 to 1,000,000,000. Auto: the environment's. Source: TEACH 5.2.
     #[schemars(with = "Auto<u64>")]
@@ -128,6 +137,7 @@ impl Default for Pool {
 struct PartialConfig {
     budget: PartialBudget,
     evaluation: PartialEvaluation,
+    frontier: FrontierOptions,
     physics: PhysicsOptions,
     pool: Pool,
     seed: StreamSeeds,
@@ -156,7 +166,8 @@ impl Default for PartialEvaluation {
 }
 
 /// The names of the config's top-level tables.
-pub const SECTIONS: [&str; 7] = ["budget", "evaluation", "physics", "pool", "seed", "student", "curriculum"];
+pub const SECTIONS: [&str; 8] =
+    ["budget", "evaluation", "frontier", "physics", "pool", "seed", "student", "curriculum"];
 
 /// Puts the config of one run together from `layers`, low to high.
 ///
@@ -168,8 +179,10 @@ pub fn resolve(
     curriculum: &CurriculumEntry,
     layers: &[ConfigLayer],
 ) -> Result<RunConfig, HarnessError> {
-    try_resolve(registry, spec, curriculum, layers).map_err(|FieldError { path, reason }| {
-        HarnessError::Config { place: place_of(layers, &path), path: short(&path), reason }
+    let attempt = |layers: &[ConfigLayer]| try_resolve(registry, spec, curriculum, layers);
+    attempt(layers).map_err(|FieldError { path, reason }| {
+        let place = cause::place(layers, &path, |layers| attempt(layers).is_ok());
+        HarnessError::Config { place, path: short(&path), reason }
     })
 }
 
@@ -194,6 +207,7 @@ fn try_resolve(
             episodes: written.evaluation.episodes,
             goals: written.evaluation.goals,
         },
+        frontier: written.frontier,
         physics: written.physics,
         pool: written.pool,
         seed: written.seed,
@@ -231,6 +245,10 @@ fn read_curricula(written: Table, registry: &Registry, own: &CurriculumEntry) ->
         Some(Value::Table(table)) => complete(own, table)?,
         _ => complete(own, &Table::new())?,
     };
+    if let Some(field) = own.needs.filter(|field| own_table.get(*field) == (own.defaults)().get(*field)) {
+        let reason = format!("must be set: curriculum `{}` has no default for it", own.id);
+        return Err(field_error(&format!("curriculum.{}", own.id), field, &reason));
+    }
     Ok(Table::from_iter([(own.id.to_owned(), Value::Table(own_table))]))
 }
 
@@ -244,6 +262,16 @@ fn complete(entry: &CurriculumEntry, written: &Table) -> Result<Table, FieldErro
             other => field_error(&prefix, "", &other.to_string()),
         }
     })
+}
+
+/// The version of the curriculum with this id, as it teaches with `config`.
+///
+/// # Panics
+/// If `registry` lacks it, or `config` is another's: configs are checked when they are resolved.
+pub fn curriculum_version(registry: &Registry, id: &str, config: &RunConfig) -> String {
+    let entry = registry.curriculum(id).expect("names were checked when the protocol was read");
+    let own = config.curriculum.get(id).and_then(Value::as_table).cloned().unwrap_or_default();
+    (entry.configure)(own).expect("a resolved config is valid").version()
 }
 
 /// Larger counts than this are a slip of the keyboard and would exhaust the memory.
@@ -260,6 +288,7 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let sizes = [
         ("budget.steps", config.budget.steps, MOST_STEPS),
         ("evaluation.episodes", config.evaluation.episodes, MOST),
+        ("frontier.episodes", config.frontier.episodes, MOST),
         ("pool.size", config.pool.size as u64, MOST),
     ];
     for (path, value, most) in sizes {
@@ -288,10 +317,10 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
     let cycle = episodes * spec.horizon as u64;
     if config.evaluation.every < cycle {
         let reason = format!(
-            "is {}, below the {cycle} steps of one cycle ({} episodes of {} steps); must be at least that",
+            "is {}, below the {cycle} steps of one cycle ({} of {}); must be at least that",
             config.evaluation.every,
-            config.student.episodes_per_cycle(),
-            spec.horizon
+            counted(config.student.episodes_per_cycle(), "episode"),
+            counted(spec.horizon, "step")
         );
         return wrong("evaluation.every", reason);
     }

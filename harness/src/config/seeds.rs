@@ -1,6 +1,8 @@
 //! Lists of seeds: `0..7`, `0,3`, `0..3,10`.
 
-use super::words::short;
+use guard::text::short;
+
+use super::count;
 
 /// Parses a list of seeds: numbers and half-open ranges (`0..7` is 0 to 6), separated by commas.
 ///
@@ -13,8 +15,8 @@ pub fn parse(text: &str) -> Result<Vec<u64>, String> {
         let bad = || format!("`{told}` is not a seed; accepted: numbers and ranges such as `0..7` or `0,3`");
         match part.split_once("..") {
             Some((from, to)) => {
-                let from: u64 = from.trim().parse().map_err(|_| bad())?;
-                let to: u64 = to.trim().parse().map_err(|_| bad())?;
+                let from = count::parse(from).ok_or_else(bad)?;
+                let to = count::parse(to).ok_or_else(bad)?;
                 if from >= to {
                     return Err(format!("the range `{told}` is empty; `0..7` means the seeds 0 to 6"));
                 }
@@ -22,7 +24,7 @@ pub fn parse(text: &str) -> Result<Vec<u64>, String> {
                 check_number((to - from).saturating_add(seeds.len() as u64))?;
                 seeds.extend(from..to);
             }
-            None => seeds.push(part.parse().map_err(|_| bad())?),
+            None => seeds.push(count::parse(part).ok_or_else(bad)?),
         }
     }
     unique(&seeds)?;
@@ -62,6 +64,7 @@ mod tests {
         assert_eq!(parse("0..7"), Ok(vec![0, 1, 2, 3, 4, 5, 6]));
         assert_eq!(parse("0,3"), Ok(vec![0, 3]));
         assert_eq!(parse("0..2, 10"), Ok(vec![0, 1, 10]));
+        assert_eq!(parse(" 1 .. 3 , 1_000, 2e3"), Ok(vec![1, 2, 1000, 2000]));
     }
 
     #[test]

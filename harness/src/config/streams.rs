@@ -30,7 +30,7 @@ pub struct StreamSeeds {
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub replay: Auto<u64>,
-    /// What the teacher draws, the initial weights of its own networks, and the probe rollouts that it asks for.
+    /// What the teacher draws, the initial weights of its own networks, and its probe rollouts.
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub teacher: Auto<u64>,
@@ -38,7 +38,7 @@ pub struct StreamSeeds {
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub pool: Auto<u64>,
-    /// Start states and goals of evaluations.
+    /// Start states and goals of evaluations, and start states of the episodes that measure the frontier.
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub evaluation: Auto<u64>,
@@ -79,7 +79,7 @@ impl StreamSeeds {
             Purpose::Replay | Purpose::Diagnosis(_) => self.replay,
             Purpose::Teacher | Purpose::Rollout(_) => self.teacher,
             Purpose::Pool => self.pool,
-            Purpose::Evaluation(_) => self.evaluation,
+            Purpose::Evaluation(_) | Purpose::Frontier(_) => self.evaluation,
             // Comes after training, with a seed of its own: that of `goalbench evaluate`.
             Purpose::FinalEvaluation => Auto::Auto,
         };
@@ -108,6 +108,7 @@ mod tests {
             Purpose::Rollout(4),
             Purpose::Evaluation(4),
             Purpose::Diagnosis(4),
+            Purpose::Frontier(4),
         ] {
             assert_eq!(seeds.stream(7, purpose), stream(7, purpose), "{purpose:?}");
         }

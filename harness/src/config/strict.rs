@@ -1,9 +1,9 @@
 //! Typed reading of a table with errors that name the path, the accepted names and the nearest one.
 
+use guard::text::short;
 use serde::de::DeserializeOwned;
 use toml::Value;
 
-use super::words::short;
 use crate::suggest::closest;
 
 /// What is wrong with a field.

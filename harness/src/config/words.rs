@@ -1,31 +1,44 @@
 //! How a value that was given and what is accepted in its place are told.
 
+use guard::text::short;
 use serde_json::Value as Json;
 use toml::Value;
-
-/// The longest text that is repeated in a message, in characters.
-const LONGEST: usize = 80;
-
-/// `text` as it may stand in a message: on one line, without control characters, cut where it is long.
-pub fn short(text: &str) -> String {
-    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    let mut kept: String = text.chars().take(LONGEST).map(plain).collect();
-    if text.chars().nth(LONGEST).is_some() {
-        kept.push('…');
-    }
-    kept
-}
 
 /// A value that was given.
 pub fn given(value: &Value) -> String {
     match value {
+        // TOML's integers and floats end below it, so it was read as a text.
+        Value::String(text) if is_beyond_integers(value) => short(text),
         Value::String(text) => format!("\"{}\"", short(text)),
         Value::Integer(number) => number.to_string(),
+        Value::Float(number) if number.abs() >= MOST_DIGITS => format!("{number:e}"),
         Value::Float(number) => number.to_string(),
         Value::Boolean(flag) => flag.to_string(),
         Value::Datetime(date) => format!("the date {date}"),
         Value::Array(_) => "a list".to_owned(),
         Value::Table(_) => "a table".to_owned(),
+    }
+}
+
+/// Floats from here on are told with an exponent, as they are typed.
+const MOST_DIGITS: f64 = 1e16;
+
+/// Whether `value` is a number beyond all integers that a config can hold.
+pub fn is_beyond_integers(value: &Value) -> bool {
+    let is_beyond = |number: f64| number.is_finite() && number.abs() >= i64::MAX as f64;
+    match value {
+        Value::Float(number) => is_beyond(*number),
+        Value::String(text) => {
+            let is_number = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-._eE".contains(&byte));
+            let plain = text.replace('_', "");
+            let number = plain.parse();
+            // The largest integers round to a float beyond all of them.
+            let is_integer = plain.parse::<i64>().is_ok();
+            is_number
+                && !is_integer
+                && number.is_ok_and(|number: f64| number.is_infinite() || is_beyond(number))
+        }
+        _ => false,
     }
 }
 
@@ -118,6 +131,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn numbers_are_told_as_they_are_typed() {
+        let value = |text: &str| format!("x = {text}").parse::<toml::Table>().expect("TOML")["x"].clone();
+        for text in ["16", "-1", "0.5", "1e308", "1e16", "inf", "\"16\"", "\"x\""] {
+            assert_eq!(given(&value(text)), text);
+        }
+        for text in ["18446744073709551615", "99999999999999999999", "1e999", "-9_300_000_000_000_000_000"] {
+            let read = Value::String(text.to_owned());
+            assert_eq!(given(&read), text);
+            assert!(is_beyond_integers(&read), "{text}");
+        }
+        for text in ["1", "9223372036854775806", "inf", "nan", "e", "", "x"] {
+            assert!(!is_beyond_integers(&Value::String(text.to_owned())), "{text}");
+        }
+    }
+
+    #[test]
     fn ranges_are_told_in_words() {
         let told = |schema: Json| accepted(&schema);
         assert_eq!(told(json!({ "type": "integer", "minimum": 1 })), "a whole number of at least 1");
@@ -129,12 +158,5 @@ mod tests {
         assert_eq!(told(discount), "a number from 0 to below 1");
         assert_eq!(told(json!({ "enum": ["a", "b"] })), "one of a, b");
         assert_eq!(told(json!({ "type": "boolean" })), "true or false");
-    }
-
-    #[test]
-    fn what_is_repeated_is_short_and_cannot_move_the_cursor() {
-        assert_eq!(short("plain"), "plain");
-        assert_eq!(short("a\u{1b}[2Jb\n"), "a\u{fffd}[2Jb\u{fffd}");
-        assert_eq!(short(&"x".repeat(1000)).chars().count(), LONGEST + 1);
     }
 }

@@ -14,6 +14,7 @@ use agents::{ProductRates, Products};
 pub use costs::{CostPart, Costs, Memory, RunProfile, Size};
 
 use crate::Registry;
+use crate::config::frontier::FrontierOptions;
 use crate::error::HarnessError;
 use crate::protocol::plan::PlannedRun;
 use crate::run::error::RunError;
@@ -42,13 +43,14 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Run
     let mut config = run.config.clone();
     config.budget.steps = size.steps;
     config.evaluation.every = size.steps;
+    config.frontier = FrontierOptions::default();
     // Nothing is learned in a warm-up; what is measured here comes after it.
     config.student.warmup_episodes = 0;
 
     agents::prepare_thread();
     let products = Products::new(student, spec).map_err(|error| broken(error.into()))?;
     let gflop = products.gflop();
-    let mut trainer = Trainer::new(registry, run.key.clone(), config).map_err(broken)?;
+    let mut trainer = Trainer::new(registry, run.key.clone(), config).map_err(broken)?.without_rollouts();
     let folder = tempfile::tempdir().map_err(HarnessError::system("create a temporary folder"))?;
     let mut watch = Watch::new(folder.path(), products, student.updates_per_cycle);
     trainer.run(&mut watch).map_err(broken)?;

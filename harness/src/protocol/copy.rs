@@ -25,19 +25,19 @@ pub fn save(protocol: &Protocol, results: &Path) -> Result<(), HarnessError> {
     place(&layout::protocols_dir(results), &file_name(&protocol.name), &document(protocol))
 }
 
-/// Brings the copies of the results folder `source` along to the results folder `out`.
+/// Brings the copies of protocols in the results folder `source` along to the results folder `out`.
 ///
 /// # Errors
 /// [`HarnessError::Io`] if one cannot be read or written.
 pub fn bring(source: &Path, out: &Path) -> Result<(), HarnessError> {
     let folder = layout::protocols_dir(source);
-    let mut paths: Vec<_> = fs::read_dir(&folder).into_iter().flatten().flatten().collect();
-    paths.sort_by_key(fs::DirEntry::file_name);
-    for path in paths.iter().map(fs::DirEntry::path) {
+    let paths = guard::files::entries(&folder).map_err(HarnessError::io(&folder, "read this folder"))?;
+    for path in paths.into_iter().flatten() {
         let name = path.file_stem().and_then(|name| name.to_str());
-        let is_copy = path.extension().is_some_and(|extension| extension == "toml") && path.is_file();
+        let is_copy = path.extension().is_some_and(|extension| extension == "toml");
         if let Some(name) = name.filter(|_| is_copy) {
-            let text = fs::read_to_string(&path).map_err(HarnessError::io(&path, "read this file"))?;
+            let text = guard::files::read_to_string(&path);
+            let text = text.map_err(HarnessError::io(&path, "read this file"))?;
             place(&layout::protocols_dir(out), name, &text)?;
         }
     }
@@ -52,7 +52,7 @@ fn place(folder: &Path, name: &str, text: &str) -> Result<(), HarnessError> {
         let path = folder.join(format!("{name}{number}.toml"));
         match fs::symlink_metadata(&path) {
             Ok(metadata) if metadata.is_file() => {
-                let known = fs::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
+                let known = guard::files::read(&path).map_err(HarnessError::io(&path, "read this file"))?;
                 if known == text.as_bytes() {
                     return Ok(());
                 }

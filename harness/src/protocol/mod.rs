@@ -9,12 +9,12 @@ mod name;
 pub mod plan;
 pub mod presets;
 
+use guard::text::short;
 use toml::Table;
 
 use crate::Registry;
 use crate::config::layer::{ConfigLayer, Document, Origin, merge};
 use crate::config::strict::FieldError;
-use crate::config::words::short;
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
 use header::{Header, Seeds, WrittenPatch, WrittenVariant};

@@ -19,7 +19,7 @@ pub struct PlannedRun {
     /// The program that plans it, as its manifest names it.
     pub program: String,
     /// Version of its curriculum.
-    pub curriculum_version: &'static str,
+    pub curriculum_version: String,
 }
 
 /// Runs in the order in which they are started: seed by seed, so that a partial sweep has all cells.
@@ -44,8 +44,7 @@ impl Plan {
             for curriculum in &protocol.curricula {
                 for (label, variant) in variants(protocol, environment, curriculum) {
                     let config = resolve(protocol, registry, environment, curriculum, variant)?;
-                    let known = "names were checked when the protocol was read";
-                    let version = registry.curriculum(curriculum).expect(known).version;
+                    let version = config::curriculum_version(registry, curriculum, &config);
                     cells.push((environment, curriculum, label, config, version));
                 }
             }
@@ -61,7 +60,7 @@ impl Plan {
                 },
                 config: config.clone(),
                 program: program.clone(),
-                curriculum_version: version,
+                curriculum_version: version.clone(),
             })
         });
         let plan = Self { name: protocol.name.clone(), runs: runs.collect() };

@@ -14,15 +14,18 @@ use reports::store::checksums::is_hash_of;
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
 use serde::{Deserialize, Serialize};
 
-use super::folder::Extent;
+use super::folder::{CommonExtent, Extent};
 use super::state::{TrainerState, TrainingState};
 use crate::error::HarnessError;
 use crate::files::new_file;
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 5, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 6, what: "a checkpoint" };
 
-/// The version before, of programs without probe rollouts: their policies can still be used.
-const EARLIER: Seal = Seal { version: 4, ..SEAL };
+/// The version of programs that did not measure the frontier: their runs can still be used.
+const WITHOUT_FRONTIER: Seal = Seal { version: 5, ..SEAL };
+
+/// The version of programs without probe rollouts either.
+const WITHOUT_ROLLOUTS: Seal = Seal { version: 4, ..SEAL };
 
 /// A run between two cycles.
 #[derive(Serialize, Deserialize)]
@@ -35,20 +38,28 @@ pub struct Checkpoint {
     pub progress: Extent,
 }
 
-/// The same as [`EARLIER`] programs wrote it.
+/// The same as earlier programs wrote it.
 #[derive(Deserialize)]
-struct EarlierCheckpoint {
+struct EarlierCheckpoint<T> {
     run: String,
-    trainer: TrainingState,
-    progress: Extent,
+    trainer: T,
+    progress: CommonExtent,
+}
+
+impl<T: Into<TrainerState>> From<EarlierCheckpoint<T>> for Checkpoint {
+    fn from(EarlierCheckpoint { run, trainer, progress }: EarlierCheckpoint<T>) -> Self {
+        Self { run, trainer: trainer.into(), progress: progress.into() }
+    }
 }
 
 /// The checkpoint that `bytes` are.
 fn open(bytes: &[u8]) -> Result<Checkpoint, SealError> {
     match SEAL.open(bytes) {
-        Err(SealError::Version { found, .. }) if found == EARLIER.version => {
-            let EarlierCheckpoint { run, trainer, progress } = EARLIER.open(bytes)?;
-            Ok(Checkpoint { run, trainer: trainer.into(), progress })
+        Err(SealError::Version { found, .. }) if found == WITHOUT_FRONTIER.version => {
+            WITHOUT_FRONTIER.open::<EarlierCheckpoint<TrainerState>>(bytes).map(Checkpoint::from)
+        }
+        Err(SealError::Version { found, .. }) if found == WITHOUT_ROLLOUTS.version => {
+            WITHOUT_ROLLOUTS.open::<EarlierCheckpoint<TrainingState>>(bytes).map(Checkpoint::from)
         }
         opened => opened,
     }
@@ -146,8 +157,8 @@ mod tests {
     use crate::config::streams::{StreamSeeds, Streams};
 
     #[test]
-    fn checkpoints_of_programs_without_probe_rollouts_are_still_read() {
-        let training = TrainingState {
+    fn checkpoints_of_earlier_programs_are_still_read() {
+        let training = || TrainingState {
             step: 200,
             evaluations: 3,
             streams: Streams::new(&StreamSeeds::default(), 0),
@@ -156,16 +167,19 @@ mod tests {
             student: vec![1, 2],
             teacher: Vec::new(),
         };
-        let bytes = EARLIER.close(&("hash", &training, &Extent::default()));
-        let read = open(&bytes).expect("a checkpoint of version 4");
-        assert_eq!(
-            (read.run.as_str(), read.trainer.step(), read.trainer.training_steps()),
-            ("hash", 200, 200)
-        );
-        assert_eq!(read.trainer.student(), [1, 2]);
-        let again = open(&SEAL.close(&read)).expect("what this program writes");
-        assert_eq!(again.trainer.step(), 200);
+        let progress = CommonExtent::default();
+        let four = WITHOUT_ROLLOUTS.close(&("hash", &training(), &progress));
+        let five = WITHOUT_FRONTIER.close(&("hash", &TrainerState::from(training()), &progress));
+        for bytes in [four, five] {
+            let read = open(&bytes).expect("a checkpoint of an earlier version");
+            let steps = (read.trainer.step(), read.trainer.training_steps());
+            assert_eq!((read.run.as_str(), steps), ("hash", (200, 200)));
+            assert_eq!(read.trainer.student(), [1, 2]);
+            assert_eq!(read.progress, Extent::default());
+            let again = open(&SEAL.close(&read)).expect("what this program writes");
+            assert_eq!(again.trainer.step(), 200);
+        }
         let unknown = Seal { version: 3, ..SEAL }.close(&0u8);
-        assert!(matches!(open(&unknown), Err(SealError::Version { found: 3, own: 5, .. })));
+        assert!(matches!(open(&unknown), Err(SealError::Version { found: 3, own: 6, .. })));
     }
 }

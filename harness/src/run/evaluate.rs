@@ -1,9 +1,10 @@
 //! Measuring a student.
 
-use agents::{Critic, Network};
+use agents::{Critic, Diagnosis, DryStep, Network};
 use envs::rng::Rng;
 use envs::{GoalEnv, Goals, Rows};
 use rand::Rng as _;
+use reports::schema::Learning;
 
 use super::error::RunError;
 
@@ -40,6 +41,15 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Counts further episodes.
+    fn add(&mut self, PlayedGroup { now, ever, total_return }: &PlayedGroup) {
+        let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
+        self.successes += count(now);
+        self.any_successes += count(ever);
+        self.episodes += now.len() as u64;
+        self.total_return += total_return;
+    }
+
     /// The same per episode; there must be at least one.
     pub fn score(&self) -> Score {
         let episodes = self.episodes as f64;
@@ -97,30 +107,41 @@ pub fn tally(
     while tally.episodes < episodes {
         let group = (episodes - tally.episodes).min(envs.len() as u64);
         let playing = &mut envs[..group as usize];
-        play(playing, student, pool.map(|pool| (pool, &mut picks)), rng, &mut tally)?;
+        for env in &mut *playing {
+            env.reset(rng)?;
+            if let Some(pool) = pool {
+                env.set_goal(pool.row(picks.random_range(0..pool.len())))?;
+            }
+        }
+        tally.add(&play(playing, student)?);
         played(group);
     }
     Ok(tally)
 }
 
-/// Plays one episode on each of `envs` in lockstep, and counts them.
-fn play(
-    envs: &mut [Box<dyn GoalEnv>],
-    student: &mut dyn Critic,
-    mut pool: Option<(&Goals, &mut Rng)>,
-    rng: &mut Rng,
-    tally: &mut Tally,
-) -> Result<(), RunError> {
+/// What episodes that were played in lockstep came to.
+pub(super) struct PlayedGroup {
+    /// Whether each was successful at its last step, `[episodes]`.
+    pub(super) now: Vec<bool>,
+    /// Whether each was successful after at least one of its steps, `[episodes]`.
+    ever: Vec<bool>,
+    /// Sum of all rewards.
+    total_return: f64,
+}
+
+/// Plays one greedy episode on each of `envs` in lockstep, from their starts to their goals.
+///
+/// # Errors
+/// [`RunError`] if physics or student break down.
+///
+/// # Panics
+/// If `envs` is empty.
+pub(super) fn play(envs: &mut [Box<dyn GoalEnv>], student: &mut dyn Critic) -> Result<PlayedGroup, RunError> {
     let spec = envs[0].spec().clone();
     let (mut states, mut goals) = (Rows::new(spec.state), Rows::new(spec.goal));
-    for env in &mut *envs {
-        env.reset(rng)?;
-        if let Some((pool, picks)) = &mut pool {
-            env.set_goal(pool.row(picks.random_range(0..pool.len())))?;
-        }
-        goals.push(env.goal());
-    }
+    envs.iter().for_each(|env| goals.push(env.goal()));
     let (mut now, mut ever) = (vec![false; envs.len()], vec![false; envs.len()]);
+    let mut total_return = 0.0;
     for _ in 0..spec.horizon {
         states.clear();
         envs.iter().for_each(|env| states.push(&env.observation().state));
@@ -128,16 +149,29 @@ fn play(
         for (index, (env, action)) in envs.iter_mut().zip(actions.iter()).enumerate() {
             env.step(action)?;
             let achieved = &env.observation().achieved;
-            tally.total_return += env.reward(achieved, env.goal());
+            total_return += env.reward(achieved, env.goal());
             now[index] = env.success(achieved, env.goal());
             ever[index] |= now[index];
         }
     }
-    let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
-    tally.successes += count(&now);
-    tally.any_successes += count(&ever);
-    tally.episodes += envs.len() as u64;
-    Ok(())
+    Ok(PlayedGroup { now, ever, total_return })
+}
+
+/// What a student's diagnosis leaves in the records of the evaluation `eval_index`, at this training step.
+pub(super) fn learning(found: &Diagnosis, eval_index: u64, step: u64) -> Learning {
+    // JSON has no form for numbers that are not finite.
+    let number = |of: fn(&DryStep) -> f64| found.dry_step.as_ref().map(of).filter(|x| x.is_finite());
+    Learning {
+        eval_index,
+        step,
+        critic_loss: number(|found| found.critic_loss),
+        actor_loss: number(|found| found.actor_loss),
+        mean_q: number(|found| found.mean_q),
+        critic_gradient_norm: number(|found| found.critic_gradient_norm),
+        actor_gradient_norm: number(|found| found.actor_gradient_norm),
+        replay_episodes: found.replay_episodes,
+        replay_transitions: found.replay_transitions,
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Holding a folder: a results folder for one sweep, a run's folder for one worker.
 
 use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
@@ -40,7 +41,15 @@ impl Lock {
 
 /// Whether some process holds `folder`. Looking takes a shared lock for a moment, so that two processes that
 /// look at the same time do not take each other for a holder.
-pub fn is_locked(folder: &Path) -> bool {
-    files::open(&folder.join(LOCK))
-        .is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+///
+/// # Errors
+/// [`HarnessError::Io`] if nobody can tell, as in a folder that may not be searched.
+pub fn is_locked(folder: &Path) -> Result<bool, HarnessError> {
+    let path = folder.join(LOCK);
+    match files::open(&path) {
+        Ok(file) => Ok(matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))),
+        // Whoever takes a lock makes a file of it, and takes nothing else for one.
+        Err(error) if files::is_absent(&error) || error.kind() == ErrorKind::InvalidData => Ok(false),
+        Err(error) => Err(HarnessError::io(&path, "look at this lock")(error)),
+    }
 }

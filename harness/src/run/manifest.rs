@@ -31,7 +31,7 @@ pub fn manifest(run: &PlannedRun) -> Manifest {
 fn versions_of(run: &PlannedRun) -> BTreeMap<String, String> {
     let mut versions = versions();
     versions.insert(PROGRAM.to_owned(), run.program.clone());
-    versions.insert(CURRICULUM.to_owned(), run.curriculum_version.to_owned());
+    versions.insert(CURRICULUM.to_owned(), run.curriculum_version.clone());
     if let Some(digest) = executable_digest() {
         versions.insert(EXECUTABLE.to_owned(), digest.to_owned());
     }

@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use reports::schema::{Learning, Record, Teaching};
+use reports::schema::{Frontier, Learning, Record, Teaching};
 
 use super::state::TrainerState;
 
@@ -31,7 +31,7 @@ pub enum Stage {
     Learning,
     /// The part of [`Learning`](Self::Learning) in which it draws batches, if the student reports it.
     Sampling,
-    /// The student is evaluated and diagnosed.
+    /// The student is evaluated, diagnosed and measured.
     Evaluating,
     /// A checkpoint is put together and saved.
     Saving,
@@ -52,6 +52,14 @@ pub trait Observer {
         _teaching: &Teaching,
         _learning: &Learning,
     ) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    /// At the evaluation that was told of last, the student was measured at every goal of the pool.
+    ///
+    /// # Errors
+    /// If it cannot be recorded; the run then ends.
+    fn measured(&mut self, _frontier: &Frontier) -> std::io::Result<()> {
         Ok(())
     }
 
@@ -81,6 +89,10 @@ impl Observer for Vec<&mut dyn Observer> {
 
     fn record(&mut self, record: &Record, teaching: &Teaching, learning: &Learning) -> std::io::Result<()> {
         self.iter_mut().try_for_each(|observer| observer.record(record, teaching, learning))
+    }
+
+    fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
+        self.iter_mut().try_for_each(|observer| observer.measured(frontier))
     }
 
     fn cycle(&mut self, step: u64) -> std::io::Result<()> {

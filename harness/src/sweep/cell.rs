@@ -2,9 +2,7 @@
 //! those that other commands left in the results folder.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use reports::schema::Manifest;
 use reports::store::RunFolder;
@@ -22,7 +20,7 @@ use crate::run::manifest::differences;
 /// [`HarnessError::OtherConfig`] naming the first of them and the differences.
 pub(super) fn check(jobs: &[Job]) -> Result<(), HarnessError> {
     for (run, found, job) in others(jobs)? {
-        if folder::has_begun(&run) || is_locked(run.path()) {
+        if folder::has_begun(&run)? || is_locked(run.path())? {
             let differences = differences(&found.config, &job.manifest.config);
             return Err(HarnessError::OtherConfig { folder: run.path().to_owned(), differences });
         }
@@ -55,7 +53,8 @@ fn others(jobs: &[Job]) -> Result<Vec<(RunFolder, Manifest, &Job)>, HarnessError
         jobs.iter().filter_map(|job| Some((job.folder.parent()?, job))).collect();
     let mut found = Vec::new();
     for (cell, job) in cells {
-        for path in folders(cell)? {
+        let paths = guard::files::entries(cell).map_err(HarnessError::io(cell, "read this folder"))?;
+        for path in paths.into_iter().flatten() {
             let run = RunFolder::new(&path);
             if planned.contains(path.as_path()) || run.key().is_none() {
                 continue;
@@ -67,21 +66,4 @@ fn others(jobs: &[Job]) -> Result<Vec<(RunFolder, Manifest, &Job)>, HarnessError
         }
     }
     Ok(found)
-}
-
-/// What lies in `folder`, by path; nothing where there is no such folder.
-fn folders(folder: &Path) -> Result<Vec<PathBuf>, HarnessError> {
-    let unreadable = || HarnessError::io(folder, "read this folder");
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        // A path that leads through a file is told when the folder is to be created.
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-            return Ok(Vec::new());
-        }
-        Err(error) => return Err(unreadable()(error)),
-    };
-    let mut paths =
-        entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>().map_err(unreadable())?;
-    paths.sort();
-    Ok(paths)
 }

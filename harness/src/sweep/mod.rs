@@ -10,14 +10,17 @@
 //!    them to Slurm, whose tasks then carry out [their share](Prepared::for_task).
 //! 4. [`Endings`] says how every run came out, and which [`ExitCode`] follows.
 //!
-//! A [worker] is a process with one run. It tells its sweep what happens as [events](event::Event), and a
-//! [`Reporter`] shows them.
+//! A [worker] is a process with one run, or with a [cohort] of runs in lockstep. It tells its sweep what
+//! happens as [events](event::Event), and a [`Reporter`] shows them.
 
 mod cell;
+pub mod cohort;
 pub mod endings;
+pub(crate) mod errand;
 pub mod event;
 pub mod exit;
 pub mod job;
+pub mod lanes;
 pub mod local;
 mod precision;
 pub mod reporter;
@@ -41,6 +44,7 @@ use crate::tracking;
 pub use endings::Endings;
 pub use exit::ExitCode;
 pub use job::{Ending, Job};
+pub use lanes::Lanes;
 pub use local::Conduct;
 use reporter::Reporter;
 use signals::Stopper;

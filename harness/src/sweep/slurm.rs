@@ -1,4 +1,4 @@
-//! Runs as a Slurm job array: one array task per chunk of runs.
+//! Runs as a Slurm job array: one array task per chunk of runs, or of cohorts of runs in lockstep.
 //!
 //! It submits a list of run folders (`RESULTS/slurm/N/tasks.json`) and a script that starts `goalbench task
 //! LIST INDEX`. A task carries out its runs one after the other in worker processes, as `goalbench run` does.
@@ -12,9 +12,11 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use guard::files;
 use reports::schema::Manifest;
 use serde::{Deserialize, Serialize};
 
+use super::cohort::cohorts;
 use super::job::Job;
 use super::local::Conduct;
 use crate::error::{Cause, HarnessError};
@@ -35,8 +37,12 @@ pub struct Request {
     pub memory: Option<String>,
     /// Most tasks at once.
     pub at_once: Option<u32>,
-    /// Runs per task.
+    /// Cohorts per task, one after the other.
     pub chunk: usize,
+    /// Runs in a cohort, at most.
+    pub lanes: usize,
+    /// Whether tasks need a GPU.
+    pub gpu: bool,
     /// How often a run whose worker crashed is begun again from its checkpoint.
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
@@ -53,6 +59,9 @@ const SBATCH: &str = "sbatch";
 /// Seconds before the time limit at which Slurm sends SIGTERM: enough to end a cycle and save.
 const WARNING_S: u32 = 120;
 
+/// Most processors that a task asks for unless `--sbatch` says otherwise: nodes with more are rare.
+const MOST_CPUS: usize = 16;
+
 /// The folder of submissions in a results folder.
 pub(super) const FOLDER: &str = "slurm";
 
@@ -68,7 +77,14 @@ struct Tasks {
     tensorboard: bool,
     #[serde(default)]
     discard_replay: bool,
+    /// Runs in lockstep, at most.
+    #[serde(default = "alone")]
+    lanes: usize,
     tasks: Vec<Vec<PathBuf>>,
+}
+
+fn alone() -> usize {
+    1
 }
 
 /// A submitted job array.
@@ -121,10 +137,13 @@ pub(super) fn submit(
     check_queue(&results)?;
     let folder = new_submission(&results)?;
     let relative = |job: &Job| reports::store::layout::run_dir(Path::new(""), job.run());
-    let tasks =
-        open.chunks(request.chunk.max(1)).map(|chunk| chunk.iter().map(|job| relative(job)).collect());
-    let Request { retries, tensorboard, discard_replay, .. } = *request;
-    let tasks = Tasks { results, retries, tensorboard, discard_replay, tasks: tasks.collect() };
+    let cohorts: Vec<Vec<usize>> =
+        cohorts(jobs, request.lanes).into_iter().filter(|cohort| jobs[cohort[0]].is_open()).collect();
+    let tasks = cohorts
+        .chunks(request.chunk.max(1))
+        .map(|chunk| chunk.iter().flatten().map(|&index| relative(&jobs[index])).collect());
+    let Request { retries, tensorboard, discard_replay, lanes, .. } = *request;
+    let tasks = Tasks { results, retries, tensorboard, discard_replay, lanes, tasks: tasks.collect() };
     let list = folder.join("tasks.json");
     write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let script = folder.join("task.sh");
@@ -147,9 +166,15 @@ pub(super) fn submit(
 
 /// Refuses to submit runs a second time while an earlier submission is still in the queue.
 pub(super) fn check_queue(results: &Path) -> Result<(), HarnessError> {
-    let Ok(entries) = fs::read_dir(results.join(FOLDER)) else { return Ok(()) };
-    for entry in entries.flatten() {
-        let Ok(id) = guard::files::read_to_string(&entry.path().join(JOB)) else { continue };
+    let parent = results.join(FOLDER);
+    let folders = files::entries(&parent).map_err(HarnessError::io(&parent, "read this folder"))?;
+    for path in folders.into_iter().flatten().map(|folder| folder.join(JOB)) {
+        let id = match files::read_to_string(&path) {
+            Ok(id) => id,
+            // A submission that was interrupted.
+            Err(error) if files::is_absent(&error) => continue,
+            Err(error) => return Err(HarnessError::io(path, "read this file")(error)),
+        };
         let queue = Command::new("squeue").arg("--noheader").arg(format!("--jobs={}", id.trim())).output();
         // Slurm forgets old jobs; one that it does not know is not in the queue.
         let waiting =
@@ -205,7 +230,10 @@ fn sbatch(script: &Path, folder: &Path, tasks: usize, request: &Request) -> Resu
         .arg("--requeue")
         .arg(format!("--signal=B:TERM@{WARNING_S}"))
         .arg("--ntasks=1")
-        .arg("--cpus-per-task=1");
+        .arg(format!("--cpus-per-task={}", request.lanes.clamp(1, MOST_CPUS)));
+    if request.gpu {
+        command.arg("--gres=gpu:1");
+    }
     for (option, value) in
         [("partition", &request.partition), ("time", &request.time), ("mem", &request.memory)]
     {
@@ -247,13 +275,15 @@ pub(super) struct Share {
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
 pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
     let missing = |reason: String| HarnessError::Missing { path: list.to_owned(), reason };
-    let Tasks { results, retries, tensorboard, discard_replay, tasks } =
+    let Tasks { results, retries, tensorboard, discard_replay, lanes, tasks } =
         read_json(list)?.ok_or_else(|| missing("there is no such file".into()))?;
     let count = tasks.len();
     let folders =
         tasks.get(index).ok_or_else(|| missing(format!("there is no task {index}, only {count}")))?;
     let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
-    let conduct = Conduct { parallel: 1, retries, tensorboard, discard_replay };
+    // Slurm confines a task to the processors that it was given.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let conduct = Conduct { retries, tensorboard, discard_replay, ..Conduct::share(cores.min(lanes), lanes) };
     Ok(Share { results, jobs, conduct })
 }
 

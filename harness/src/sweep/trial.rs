@@ -6,22 +6,20 @@
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Write};
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use agents::Device;
 use reports::schema::{Manifest, Outcome};
 use reports::store::RunFolder;
 use reports::store::layout;
-use rustix::process::{Signal, set_parent_process_death_signal};
 use serde::{Deserialize, Serialize};
 
+use super::errand::{self, Errand};
 use super::exit::ExitCode;
 use super::job::Job;
-use super::local::this_program;
 use super::worker::is_libtorch;
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -54,42 +52,31 @@ struct Answer {
 /// [`HarnessError::Trial`] naming the first run that cannot begin or go on, and why.
 pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
     let mut cells = BTreeSet::new();
-    let tried: Vec<&Job> = jobs.iter().filter(|job| is_to_be_tried(job, &mut cells)).collect();
+    let mut tried = Vec::new();
+    for job in jobs {
+        if is_to_be_tried(job, &mut cells)? {
+            tried.push(job);
+        }
+    }
     if tried.is_empty() {
         return Ok(());
     }
-    let mut input = Vec::new();
-    for job in &tried {
-        let trial = match job.state {
+    let trials: Vec<Trial> = tried
+        .iter()
+        .map(|job| match job.state {
             State::Shorter(_) => Trial::GoOn(job.folder.as_os_str().as_bytes().to_vec()),
             _ => Trial::Begin { manifest: Box::new(job.manifest.clone()), on_cpu: elsewhere },
-        };
-        serde_json::to_writer(&mut input, &trial).expect("a trial is plain data");
-        input.push(b'\n');
-    }
-    let program = this_program()?;
-    let mut child = Command::new(program)
-        .arg("try-runs")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(HarnessError::io(program, "run this program"))?;
-    let mut stdin = child.stdin.take().expect("stdin is piped");
-    // If the process is gone, its end tells.
-    let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
-    let answers = BufReader::new(child.stdout.take().expect("stdout is piped")).lines();
-    let answers = answers.map_while(|line| serde_json::from_str::<Answer>(&line.ok()?).ok());
-    let answers: Vec<Answer> = answers.collect();
-    let status = child.wait().map_err(HarnessError::io(program, "wait for this program"))?;
-    let _ = writer.join();
+        })
+        .collect();
+    let Errand { answers, end } = errand::ask::<Answer>(&["try-runs".to_owned()], &trials, Duration::MAX)?;
     if let Some(reason) = answers.iter().find_map(|answer| answer.refusal.clone()) {
         return Err(HarnessError::Trial { reason });
     }
-    match tried.get(answers.len()) {
+    match (tried.get(answers.len()), end) {
         // Killed, as the system does when memory runs out: that is the machine's doing as well. A finished
         // run is touched only once it is known that it can go on.
-        Some(job) if status.signal().is_none() || job.state != State::New => {
-            let reason = format!("{}: it was tried out and the program ended ({status})", job.run());
+        (Some(job), Some(end)) if end.signal().is_none() || job.state != State::New => {
+            let reason = format!("{}: it was tried out and the program ended ({end})", job.run());
             Err(HarnessError::Trial { reason })
         }
         _ => Ok(()),
@@ -97,12 +84,12 @@ pub(super) fn check(jobs: &[Job], elsewhere: bool) -> Result<(), HarnessError> {
 }
 
 /// Whether a job is to be tried: the first new one of its cell, or a finished one that is trained on.
-fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> bool {
-    match job.state {
+fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> Result<bool, HarnessError> {
+    Ok(match job.state {
         State::New => cells.insert(job.folder.parent()),
-        State::Shorter(_) => RunFolder::new(&job.folder).has(layout::OUTCOME),
+        State::Shorter(_) => RunFolder::new(&job.folder).has(layout::OUTCOME)?,
         State::Begun | State::Ended(_) => false,
-    }
+    })
 }
 
 /// What `goalbench try-runs` does: tries what its standard input says and tells how that came out.
@@ -110,22 +97,15 @@ fn is_to_be_tried<'a>(job: &'a Job, cells: &mut BTreeSet<Option<&'a Path>>) -> b
 /// # Errors
 /// [`HarnessError::System`] if nobody asks or listens.
 pub fn try_runs(registry: &Registry) -> Result<ExitCode, HarnessError> {
-    let broken = || HarnessError::system("talk to the sweep");
-    // Without the sweep that asked nobody needs an answer, and the run's lock must go.
-    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|error| broken()(error.into()))?;
+    // A run's lock must go with whoever asked.
+    errand::end_with_asker()?;
     agents::prepare_thread();
-    for line in std::io::stdin().lock().lines() {
-        let trial: Trial =
-            serde_json::from_str(&line.map_err(broken())?).map_err(|error| broken()(error.into()))?;
-        let result = match trial {
+    for trial in errand::questions() {
+        let result = match trial? {
             Trial::Begin { manifest, on_cpu } => begin(registry, *manifest, on_cpu),
             Trial::GoOn(folder) => go_on(registry, &PathBuf::from(OsString::from_vec(folder))),
         };
-        let refusal = result.err().map(|error| chain(&error));
-        let mut text = serde_json::to_vec(&Answer { refusal }).expect("an answer is plain data");
-        text.push(b'\n');
-        let mut out = std::io::stdout().lock();
-        out.write_all(&text).and_then(|()| out.flush()).map_err(broken())?;
+        errand::answer(&Answer { refusal: result.err().map(|error| chain(&error)) })?;
     }
     Ok(ExitCode::Success)
 }
@@ -164,7 +144,7 @@ fn go_on(registry: &Registry, folder: &Path) -> Result<(), HarnessError> {
     let found = found
         .ok_or_else(|| missing(checkpoint::CHECKPOINT, "is missing, so this run cannot be trained on"))?;
     let replay = folder.join(REPLAY);
-    if !replay.exists() {
+    if !RunFolder::new(folder).has(REPLAY)? {
         let reason = "is missing, so this run cannot be trained on: it finished with --discard-replay, or under a \
                       version that always removed it";
         return Err(missing(REPLAY, reason));

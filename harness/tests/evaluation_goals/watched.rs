@@ -57,6 +57,10 @@ impl Configured for WatchedConfig {
         self.0.table()
     }
 
+    fn version(&self) -> String {
+        self.0.version()
+    }
+
     fn build(self: Box<Self>, setting: &Setting) -> Result<Box<dyn Curriculum>, CurriculumError> {
         note_all(setting.pool.as_slice());
         Ok(Box::new(Watched(self.0.build(setting)?)))

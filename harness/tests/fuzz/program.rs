@@ -48,10 +48,11 @@ fn results_that_are_damaged() {
         let bad = damaged(&good, &damages);
         fs::write(&path, &bad).expect(name);
         let results = folder.path().to_str().expect("a test path is UTF-8");
-        let merged = format!("{results}/merged");
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let merged = home.path().join("merged");
         assert_orderly(&["status", results]);
         assert_orderly(&["evaluate", results, "--episodes", "2"]);
-        assert_orderly(&["merge", results, "--out", &merged]);
+        assert_orderly(&["merge", results, "--out", merged.to_str().expect("UTF-8")]);
         assert_orderly(&["report", results]);
         assert_orderly(&toy_args(folder.path(), &["--seeds", "0", "--dry-run"]));
         let again = assert_orderly(&toy_args(folder.path(), &["--seeds", "0", "--curriculum", "teach"]));

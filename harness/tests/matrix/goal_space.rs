@@ -58,6 +58,21 @@ impl GoalSpace {
                 maze => is_free(maze, &goal),
             }
     }
+
+    /// Whether `goal` can be achieved, as far as geometry alone says: outside of walls, with a rotation where
+    /// there is one.
+    pub(crate) fn can_be_achieved(&self, goal: &[f32]) -> bool {
+        let goal: Vec<f64> = goal.iter().map(|&x| f64::from(x)).collect();
+        let is_complete = goal.len() == self.start.achieved.len() && goal.iter().all(|x| x.is_finite());
+        is_complete
+            && match self.id {
+                "HandManipulateBlockRotateZ" | "HandManipulatePenRotate" | "HandManipulateEggRotate" => {
+                    is_rotation(&goal[3..])
+                }
+                id if envs::find(id).expect("an environment").walls.is_some() => is_free(id, &goal),
+                _ => true,
+            }
+    }
 }
 
 fn distances<'a>(a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
@@ -82,8 +97,13 @@ fn at_rest_or_meeting(goal: &[f64], start: &[f64]) -> bool {
 
 /// A position in the hand, then a rotation as a unit quaternion.
 fn in_hand(goal: &[f64], start: &[f64]) -> bool {
-    let norm: f64 = goal[3..].iter().map(|x| x * x).sum();
-    distances(&goal[..3], &start[..3]).all(|x| x <= PALM) && (norm - 1.0).abs() <= ROUNDING
+    distances(&goal[..3], &start[..3]).all(|x| x <= PALM) && is_rotation(&goal[3..])
+}
+
+/// A unit quaternion.
+fn is_rotation(quaternion: &[f64]) -> bool {
+    let norm: f64 = quaternion.iter().map(|x| x * x).sum();
+    (norm - 1.0).abs() <= ROUNDING
 }
 
 /// The square [-1, 1]² in 13 × 13 cells; the row goes with the first coordinate.

@@ -2,8 +2,13 @@
 
 #![allow(dead_code, reason = "each test file takes what it needs of these")]
 
+pub(crate) mod children;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+use reports::store::checksums::Checksums;
+use reports::store::{RunFolder, layout};
 
 /// A run of the toy task that takes about a second, whose options later ones override.
 pub(crate) const TOY: &[&str] = &[
@@ -91,6 +96,15 @@ pub(crate) fn tfrecords(file: &Path) -> usize {
         count += 1;
     }
     count
+}
+
+/// Makes what lies in the folder of an ended run what it ended with.
+pub(crate) fn seal(folder: &Path) {
+    let run = RunFolder::new(folder);
+    let manifest = run.manifest().expect("a manifest").expect("a manifest");
+    let sums = Checksums::of(&run, &manifest.hash).expect("its files can be read");
+    let text = serde_json::to_string(&sums).expect("plain data");
+    std::fs::write(folder.join(layout::CHECKSUMS), text).expect("the test folder can be written");
 }
 
 /// What the program said on standard error.

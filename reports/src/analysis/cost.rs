@@ -2,7 +2,7 @@
 
 use crate::analysis::complete;
 use crate::analysis::group::Group;
-use crate::schema::Timing;
+use crate::schema::{Record, Timing};
 use crate::stats;
 use crate::store::Run;
 
@@ -11,8 +11,12 @@ use crate::store::Run;
 /// where records are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// Fewest and most training steps at a seed's last evaluation.
+    /// Fewest and most steps of the budget at a seed's last evaluation.
     pub steps: (u64, u64),
+    /// Mean over seeds of the steps taken in probe rollouts.
+    pub probe_steps: f64,
+    /// Mean over seeds of those of them that were not charged to the budget.
+    pub uncharged_steps: f64,
     /// Mean over seeds of the student's gradient steps; those of a teacher's own networks are not counted.
     pub gradient_steps: f64,
     /// Seeds whose last evaluation has a timing: those that the times are means over.
@@ -21,7 +25,7 @@ pub struct Cost {
     pub wall_hours: Option<f64>,
     /// Evaluations' part of it.
     pub evaluation_hours: Option<f64>,
-    /// The teacher's part of it: proposing goals, observing episodes, learning. `None` where the
+    /// The teacher's part of it: proposing goals, observing episodes, learning, rollouts. `None` where the
     /// timings of one of them do not tell.
     pub teacher_hours: Option<f64>,
     /// The part of the student's gradient steps; likewise.
@@ -33,11 +37,15 @@ impl Cost {
     pub fn of(group: &Group<'_>) -> Option<Self> {
         let last: Vec<_> = group.runs.iter().filter_map(|run| complete::recorded(run).last()).collect();
         let steps = || last.iter().map(|record| record.step);
-        let gradient_steps: Vec<f64> = last.iter().map(|record| record.gradient_steps as f64).collect();
+        let mean = |number: fn(&Record) -> u64| {
+            stats::mean(&last.iter().map(|record| number(record) as f64).collect::<Vec<_>>())
+        };
         let timings: Vec<&Timing> = group.runs.iter().filter_map(|run| last_timing(run)).collect();
         Some(Self {
             steps: (steps().min()?, steps().max()?),
-            gradient_steps: stats::mean(&gradient_steps)?,
+            probe_steps: mean(|record| record.probe_steps)?,
+            uncharged_steps: mean(|record| record.uncharged_steps)?,
+            gradient_steps: mean(|record| record.gradient_steps)?,
             n_timed: timings.len(),
             wall_hours: mean_hours(&timings, |timing| Some(timing.wall_s)),
             evaluation_hours: mean_hours(&timings, |timing| Some(timing.evaluation_s)),
@@ -95,6 +103,8 @@ mod tests {
         assert_eq!(mean_hours(&[], |timing| timing.teacher_s), None);
         let cost = Cost {
             steps: (0, 0),
+            probe_steps: 0.0,
+            uncharged_steps: 0.0,
             gradient_steps: 0.0,
             n_timed: 2,
             wall_hours: Some(2.0),

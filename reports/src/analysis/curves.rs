@@ -26,6 +26,8 @@ pub struct Point {
     pub std: Option<f64>,
     /// Mean over those seeds of the student's gradient steps.
     pub gradient_steps: f64,
+    /// Mean over those seeds of the steps of probe rollouts that are not charged to the budget.
+    pub uncharged_steps: f64,
     /// Mean over those seeds, but the ones that failed before and those with an evaluation without timing, of
     /// the hours of wall-clock time, evaluations included; `None` where none is left.
     pub hours: Option<f64>,
@@ -34,8 +36,10 @@ pub struct Point {
 /// What learning curves are drawn against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// Training steps in the environment.
+    /// Steps of the budget: training steps in the environment, and charged probe rollouts.
     EnvironmentSteps,
+    /// All steps in the environment but those of evaluations: uncharged probe rollouts, too.
+    AllSteps,
     /// Gradient steps of the student.
     GradientSteps,
     /// Hours of wall-clock time.
@@ -47,6 +51,7 @@ impl Point {
     pub fn at(&self, progress: Progress) -> Option<f64> {
         match progress {
             Progress::EnvironmentSteps => Some(self.step as f64),
+            Progress::AllSteps => Some(self.step as f64 + self.uncharged_steps),
             Progress::GradientSteps => Some(self.gradient_steps),
             Progress::Hours => self.hours,
         }
@@ -123,12 +128,17 @@ fn common_steps(runs: &[&Run]) -> Vec<u64> {
 /// The point of a curve of `runs` at `step`, of which those that are `timed` tell the time; `None` where none
 /// of them is there.
 fn point(runs: &[&Run], timed: &[bool], step: u64) -> Option<Point> {
-    let (mut rates, mut gradient_steps, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rates, mut times) = (Vec::new(), Vec::new());
+    let (mut gradient_steps, mut uncharged_steps) = (Vec::new(), Vec::new());
     for (run, &timed) in runs.iter().zip(timed) {
         let Some(rate) = scores::rate_at(&run.records, step) else { continue };
         rates.push(rate);
-        let taken = run.records.iter().map(|record| (record.step, record.gradient_steps as f64));
-        gradient_steps.extend(scores::value_at(taken, step));
+        let taken = |number: fn(&Record) -> u64| {
+            let points = run.records.iter().map(|record| (record.step, number(record) as f64));
+            scores::value_at(points, step)
+        };
+        gradient_steps.extend(taken(|record| record.gradient_steps));
+        uncharged_steps.extend(taken(|record| record.uncharged_steps));
         if timed && complete::recorded(run).last().is_some_and(|last| step <= last.step) {
             times.extend(hours(run, step));
         }
@@ -139,6 +149,7 @@ fn point(runs: &[&Run], timed: &[bool], step: u64) -> Option<Point> {
         mean: stats::mean(&rates)?,
         std: stats::std_dev(&rates, DDOF),
         gradient_steps: stats::mean(&gradient_steps)?,
+        uncharged_steps: stats::mean(&uncharged_steps)?,
         hours: stats::mean(&times),
     })
 }

@@ -29,6 +29,13 @@ impl GroupKey {
         }
     }
 
+    /// The key of the group that `run` is in.
+    pub fn of(catalogue: &Catalogue, run: &Run) -> Self {
+        let RunKey { environment, variant, .. } = run.key();
+        let (environment, variant) = (environment.clone(), variant.clone());
+        Self { environment, curriculum: catalogue.method_of(&run.manifest), variant }
+    }
+
     /// Whether it has the method with this curriculum id.
     pub fn is_of(&self, curriculum: &str) -> bool {
         self.curriculum.id == curriculum
@@ -137,8 +144,7 @@ pub fn counted<'a>(store: &'a Store, completed: &'a [Run], catalogue: &Catalogue
     let as_it_counts = |run: &'a Run| completed.iter().find(|other| other.key() == run.key()).unwrap_or(run);
     // The store's runs come by key, so that those of one group follow each other, by seed.
     for run in store.runs().iter().map(as_it_counts).filter(|run| !run.records.is_empty()) {
-        let RunKey { environment, curriculum, variant, seed: _ } = run.key();
-        let key = GroupKey::new(catalogue, environment, curriculum, variant);
+        let key = GroupKey::of(catalogue, run);
         match groups.last_mut() {
             Some(group) if group.key == key => group.runs.push(run),
             _ => groups.push(Group { key, runs: vec![run] }),

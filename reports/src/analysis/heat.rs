@@ -61,7 +61,7 @@ impl HeatMap {
                 for (index, (goal, &success)) in (1..).zip(line.goals.iter().zip(&line.successes)) {
                     let &[x, y] = goal.as_slice() else { continue };
                     let step = before + (length * f64::from(index)).round() as u64;
-                    let phase = &mut phases[phase(step, end)];
+                    let phase = &mut phases[third(step, end)];
                     let (row, column) = maze.cell_of([x, y]);
                     phase.episodes[row * maze.side() + column] += 1;
                     phase.successes[row * maze.side() + column] += u32::from(success);
@@ -144,7 +144,7 @@ impl<'a> Heat<'a> {
 }
 
 /// The third of `end` steps that an episode which ended at `step` belongs to.
-fn phase(step: u64, end: u64) -> usize {
+pub fn third(step: u64, end: u64) -> usize {
     let third = u128::from(step.saturating_sub(1)) * 3 / u128::from(end.max(1));
     third.min(2) as usize
 }
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn thirds_by_hand() {
-        assert_eq!([0, 1, 30, 31, 60, 61, 90, 95].map(|step| phase(step, 90)), [0, 0, 0, 1, 1, 2, 2, 2]);
+        assert_eq!([0, 1, 30, 31, 60, 61, 90, 95].map(|step| third(step, 90)), [0, 0, 0, 1, 1, 2, 2, 2]);
     }
 
     #[test]

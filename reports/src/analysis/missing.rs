@@ -10,8 +10,9 @@ use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::whole::Analysis;
-use crate::schema::{Outcome, Record, RunKey};
+use crate::schema::{Outcome, Record};
 use crate::store::Run;
+use crate::wording::counted;
 
 /// Everything that a report lacks.
 pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
@@ -37,6 +38,7 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     lacking.extend(heat_maps(analysis));
     lacking.extend(goal_maps(analysis));
     lacking.extend(diagnoses(analysis));
+    lacking.extend(measures(analysis));
     lacking.extend(any_success(&own));
     lacking.extend(picks(&own));
     lacking.extend(timings(analysis));
@@ -122,8 +124,24 @@ fn diagnoses(analysis: &Analysis<'_>) -> Option<String> {
     let runs: Vec<&Run> = own.collect();
     let silent = runs.iter().filter(|run| analysis.student.of_run(run).is_empty()).count();
     (analysis.options.diagnostics && silent > 0).then(|| {
-        format!("how students learned: {silent} of {} runs have no record of it (student.jsonl)", runs.len())
+        format!(
+            "how students learned: {silent} of {} without a record of it (student.jsonl)",
+            counted(runs.len(), "run")
+        )
     })
+}
+
+/// Methods and variants without a measure of the frontier, where others have some.
+fn measures(analysis: &Analysis<'_>) -> Vec<String> {
+    if analysis.frontier.measures.is_empty() {
+        return Vec::new();
+    }
+    let is_silent =
+        |group: &&Group<'_>| group.runs.iter().all(|run| analysis.frontier.of_run(run).is_empty());
+    let own = analysis.groups.all.iter().filter(|group| group.is_own());
+    own.filter(is_silent)
+        .map(|group| format!("{}: {}: no measure of the frontier", group.key.environment, group.key.name()))
+        .collect()
 }
 
 /// What timings do not tell.
@@ -194,7 +212,8 @@ fn runs(all: &[Group<'_>], waiting: &[Group<'_>], groups: &[&Group<'_>]) -> Vec<
                 [(count(|run| run.outcome.is_none()), "not finished"), (count(failed), "failed")]
             {
                 if count > 0 {
-                    missing.push(format!("{id}: {name}: {count} of {} runs {what}", all().count()));
+                    missing
+                        .push(format!("{id}: {name}: {count} of {} {what}", counted(all().count(), "run")));
                 }
             }
             if !waiting.is_empty() {
@@ -211,8 +230,7 @@ fn waiting<'a>(analysis: &Analysis<'a>) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     let store = analysis.store;
     for run in store.runs().iter().filter(|run| run.records.is_empty() && store.is_own(run)) {
-        let RunKey { environment, curriculum, variant, .. } = run.key();
-        let key = GroupKey::new(analysis.catalogue(), environment, curriculum, variant);
+        let key = GroupKey::of(analysis.catalogue(), run);
         match groups.iter_mut().find(|group| group.key == key) {
             Some(group) => group.runs.push(run),
             None => groups.push(Group { key, runs: vec![run] }),
@@ -246,7 +264,10 @@ fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Opti
     let runs: Vec<&Run> = all.iter().flat_map(|group| group.runs.iter().copied()).collect();
     let silent = runs.iter().filter(|run| !complete::recorded(run).iter().all(&tells)).count();
     (silent > 0).then(|| {
-        format!("{what}: {silent} of {} runs have no record of it (older than the field)", runs.len())
+        format!(
+            "{what}: {silent} of {} without a record of it (older than the field)",
+            counted(runs.len(), "run")
+        )
     })
 }
 

@@ -10,6 +10,7 @@ pub mod cost;
 pub mod curves;
 pub mod efficiency;
 pub mod finals;
+pub mod frontier;
 pub mod goal_map;
 pub mod group;
 pub mod groups;

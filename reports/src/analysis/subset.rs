@@ -4,6 +4,7 @@ use crate::analysis::options::ReportOptions;
 use crate::error::ReportError;
 use crate::schema::RunKey;
 use crate::store::Store;
+use crate::wording::counted;
 
 /// What was asked for, and how much of the results it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +45,12 @@ impl Subset {
         };
         let parts = [part("environments", &self.environments), part("curricula", &self.curricula)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
-        format!("Only {}: {} of the {} runs of the results.", parts.join(" and "), self.runs, self.of)
+        format!(
+            "Only {}: {} of the {} of the results.",
+            parts.join(" and "),
+            self.runs,
+            counted(self.of, "run")
+        )
     }
 }
 

@@ -9,6 +9,7 @@ use crate::analysis::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
 use crate::analysis::catalogue::{Catalogue, Paper};
 use crate::analysis::comparison::{self, Comparison};
 use crate::analysis::efficiency::{self, Efficiency};
+use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::goal_map::GoalSpaces;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::groups::Groups;
@@ -57,6 +58,8 @@ pub struct Analysis<'a> {
     pub goals: GoalSpaces,
     /// How students learned.
     pub student: StudentFiles,
+    /// What students could do at every goal of their pools, where that was measured.
+    pub frontier: FrontierFiles,
 }
 
 impl<'a> Analysis<'a> {
@@ -91,12 +94,15 @@ impl<'a> Analysis<'a> {
             heat: Heat::of(results, groups, &catalogue.mazes),
             goals: GoalSpaces::of(results, groups, &catalogue.environments),
             student: StudentFiles::of(results, store),
+            frontier: FrontierFiles::of(results, store),
         }
     }
 
     /// What is wrong with files beside the records, as far as they were read.
     pub fn problems(&self) -> impl Iterator<Item = &StoreProblem> {
-        self.heat.problems.iter().chain(&self.goals.problems).chain(&self.student.problems)
+        let read =
+            [&self.heat.problems, &self.goals.problems, &self.student.problems, &self.frontier.problems];
+        read.into_iter().flatten()
     }
 
     /// What is known of methods and environments.

@@ -7,6 +7,7 @@ use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::cells::{BOOTSTRAP_COVERAGE, decimal, with_interval};
 use crate::render::table::{Column, Sheet};
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact =
     Artefact::table("aggregates", ACROSS, "method over the shared environments", sheet);
@@ -81,12 +82,12 @@ fn caption(analysis: &Analysis<'_>) -> String {
     let across = &analysis.across;
     let left_out: Vec<String> = across.left_out.iter().copied().map(GroupKey::name).collect();
     format!(
-        "Final success {} over the {} environments in which every method here has results: {}.{}{} Mean: \
+        "Final success {} over the {} in which every method here has results: {}.{}{} Mean: \
          over environments of the mean over seeds. IQM: interquartile mean of all runs. Optimality gap: how far runs \
          fall short of {TARGET} on average, less is better. Brackets: {} % percentile bootstrap intervals, stratified \
          by environment; they describe and decide nothing: {BOOTSTRAP_COVERAGE}.",
         across.seeds,
-        across.environments.len(),
+        counted(across.environments.len(), "environment"),
         across.environments.join(", "),
         failed_in_words(across.failed),
         if left_out.is_empty() {

@@ -14,10 +14,10 @@ pub(super) const ROW: Artefact =
     Artefact::table("costs", SECTION, "environment, curriculum and variant", sheet).repeated(Repeated::Open);
 
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
-    Sheet::of(caption(), &analysis.summaries, &columns())
+    Sheet::of(caption(&analysis.summaries), &analysis.summaries, &columns())
 }
 
-fn columns() -> [Column<'static, GroupSummary>; 14] {
+fn columns() -> [Column<'static, GroupSummary>; 16] {
     [
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
@@ -30,7 +30,18 @@ fn columns() -> [Column<'static, GroupSummary>; 14] {
             |row: &GroupSummary| row.cost.steps.0,
         ),
         Column::count("steps_max", "most of them", |row: &GroupSummary| row.cost.steps.1),
-        Column::only_shown("Steps", |row: &GroupSummary| span(row.cost.steps)),
+        Column::only_shown("Steps", |row: &GroupSummary| steps(&row.cost)),
+        Column::real(
+            "probe_steps",
+            "mean over finished runs of the steps in probe rollouts that the teacher asked for",
+            |row: &GroupSummary| row.cost.probe_steps,
+        ),
+        Column::real(
+            "uncharged_steps",
+            "mean over finished runs of those of them that are not charged to the budget, and so are not in steps_min and \
+             steps_max",
+            |row: &GroupSummary| row.cost.uncharged_steps,
+        ),
         Column::real(
             "gradient_steps",
             "mean over finished runs of the student's gradient steps",
@@ -67,7 +78,13 @@ fn columns() -> [Column<'static, GroupSummary>; 14] {
     ]
 }
 
-fn caption() -> String {
+fn caption(rows: &[GroupSummary]) -> String {
+    let probes = if rows.iter().any(|row| row.cost.probe_steps > 0.0) {
+        " Probe rollouts: steps in episodes that the teacher asked for and that train nobody, a mean over seeds; part of the \
+         steps where they are charged to the budget, beyond them where not."
+    } else {
+        ""
+    };
     format!(
         "What training took up to the last evaluation, of finished runs; where there are none, of all as far as they got. \
          Steps: in the environment, those of evaluations not counted, a range where seeds differ. Gradient steps: of \
@@ -76,8 +93,23 @@ fn caption() -> String {
          own learning, with their share of the wall-clock time; the student's learning and evaluations likewise; the \
          rest is simulation. Means over seeds, over fewer where n says so, because the timings of the others were lost; {UNDEFINED} where \
          timings do not tell. Times of runs that shared a \
-         machine with others compare loosely."
+         machine with others compare loosely.{probes}"
     )
+}
+
+/// `400,000`; `400,000 (172,000 in probe rollouts)`, or `400,000 + 172,000 in probe rollouts` where those are
+/// not charged.
+fn steps(cost: &Cost) -> String {
+    let rounded = |steps: f64| thousands(steps.round() as u64);
+    let (charged, uncharged) = (cost.probe_steps - cost.uncharged_steps, cost.uncharged_steps);
+    let mut text = span(cost.steps);
+    if charged > 0.0 {
+        text += &format!(" ({} in probe rollouts)", rounded(charged));
+    }
+    if uncharged > 0.0 {
+        text += &format!(" + {} in probe rollouts", rounded(uncharged));
+    }
+    text
 }
 
 /// `0.50 h`; `0.50 h (n = 1)` where other runs have lost their timings.

@@ -9,12 +9,28 @@ use crate::analysis::curves::Progress;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
+use crate::schema::Record;
 
 /// The paper's main comparison.
 pub(super) const STEPS: Artefact = Artefact::figures("success", RESULTS, |analysis| {
     let source = &analysis.paper().figures;
     let source = if source.is_empty() { String::new() } else { format!(" ({source} of the paper)") };
     draw(analysis, Progress::EnvironmentSteps, ["grid", "success"], &format!("environment steps{source}"))
+});
+
+/// The same against all steps taken, where probe rollouts were not charged to some budget: else it is the
+/// same figure.
+pub(super) const ALL_STEPS: Artefact = Artefact::figures("all-steps", RESULTS, |analysis| {
+    let is_uncharged = |record: &Record| record.uncharged_steps > 0;
+    if !analysis.store.runs().iter().any(|run| run.records.iter().any(is_uncharged)) {
+        return Ok(Vec::new());
+    }
+    draw(
+        analysis,
+        Progress::AllSteps,
+        ["grid-all-steps", "all-steps"],
+        "all steps taken, probe rollouts included",
+    )
 });
 
 /// The same against gradient steps of the student.

@@ -8,6 +8,7 @@ use crate::error::ReportError;
 use crate::render::table::cells::{decimal, or_undefined, p_value, thousands, with_interval};
 use crate::render::table::{Column, Sheet};
 use crate::stats::MOST_ENUMERATED;
+use crate::wording::counted;
 
 const SECTION: Section = Section::Named { id: "ledger", title: "Claims of the paper" };
 
@@ -86,9 +87,10 @@ fn effect(row: &LedgerEntry) -> String {
 
 fn caption(options: &ReportOptions) -> String {
     let ReportOptions { window, resampling, margin, fewest_pairs, .. } = options;
+    let window = counted(*window, "evaluation");
     format!(
         "The paper's claims on the data at hand, from comparable runs on the paper's tasks; others are left out and counted. \
-         Effect: difference of success rates (final ones over the last {window} evaluations, or areas under the curve), \
+         Effect: difference of success rates (final ones over the last {window}, or areas under the curve), \
          mean over environments of the mean over pairs of runs with the same seed; of several the one that the verdict \
          hangs on, named, with its environment where a claim is judged in each. Brackets: what the sign-flip test of these \
          pairs does not refuse, at {} % together for claims of one kind (Bonferroni's correction); none where there are \

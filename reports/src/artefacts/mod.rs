@@ -9,11 +9,13 @@ mod aggregates;
 mod columns;
 mod comparisons;
 mod costs;
+mod coverage;
 mod dataset;
 mod deviations;
 mod efficiency;
 mod environments;
 mod files;
+mod frontier;
 mod goal_map;
 mod heading;
 mod heat;
@@ -51,13 +53,17 @@ pub static ARTEFACTS: &[Artefact] = &[
     records::ROW,
     runs::ROW,
     student::ROW,
+    frontier::MEASURES,
     learning::STEPS,
+    learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
     learning::HOURS,
     summary::ROW,
     variant_settings::ROW,
     costs::ROW,
     teaching::ROW,
+    frontier::ROW,
+    coverage::ROW,
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
     readings::ROW,
@@ -70,6 +76,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     variants::ROW,
     heat::ROW,
     goal_map::ROW,
+    frontier::MAPS,
     student::FIGURES,
     numbers::TEACHERS,
     comparisons::ROW,

@@ -8,6 +8,7 @@ use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::cells::{or_undefined, p_value, with_interval};
 use crate::render::table::{Column, Sheet};
+use crate::wording::counted;
 
 const SECTION: Section =
     Section::Named { id: "readings", title: "Does a claim's verdict hang on the reading?" };
@@ -145,14 +146,15 @@ fn caption(analysis: &Analysis<'_>) -> String {
         names if names.is_empty() => names,
         names => format!(" Left out, for they lack some of these readings: {names}."),
     };
+    let (window, pairs) = (counted(*window, "evaluation"), counted(*fewest_pairs, "pair"));
     format!(
         "The claims about baselines under every reading of the paper that {method} was run with, from the environments that \
          have all of them: {}.{left_out} A reading is named by the settings that differ between readings; readings whose \
          runs are the same evaluation by evaluation are one. {method}'s other settings are the same for all readings of a \
          claim, which names those that are not the default ones. {method} under each is set against the baseline's runs of \
          the same settings outside the curriculum, evaluation goals included, by the rule and the test of the ledger: \
-         final success over the last {window} evaluations or area under the curve, finished runs of the same evaluations, \
-         at least {fewest_pairs} pairs in all. p: of the sign-flip test, uncorrected. Brackets: what the \
+         final success over the last {window} or area under the curve, finished runs of the same evaluations, \
+         at least {pairs} in all. p: of the sign-flip test, uncorrected. Brackets: what the \
          test does not refuse, at {} % together for the readings of one claim (Bonferroni's correction: the level over the \
          number of readings). Readings with different verdicts need not differ from each other: one that is undecided may \
          only lack runs.",

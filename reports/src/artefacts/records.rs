@@ -34,7 +34,7 @@ fn fields<'a>() -> Vec<Column<'a, &'a Record>> {
         Column::count(columns::SEED.0, columns::SEED.1, |row: &&Record| row.seed),
         Column::count(
             "step",
-            "training steps taken in the environment, evaluation steps not counted",
+            "steps of the budget that were taken: training steps and charged probe rollouts; evaluation steps are not counted",
             |row: &&Record| row.step,
         ),
         Column::count(
@@ -60,6 +60,16 @@ fn fields<'a>() -> Vec<Column<'a, &'a Record>> {
         Column::count("gradient_steps", "gradient steps taken by the student", |row: &&Record| {
             row.gradient_steps
         }),
+        Column::count(
+            "probe_steps",
+            "steps taken in probe rollouts that the teacher asked for",
+            |row: &&Record| row.probe_steps,
+        ),
+        Column::count(
+            "uncharged_steps",
+            "those of them that are not charged to the budget, and so are not in step",
+            |row: &&Record| row.uncharged_steps,
+        ),
         Column::several("teacher.NAME", "number that the teacher recorded; empty where it is not defined"),
     ]
 }

@@ -171,10 +171,10 @@ pub(super) fn columns_of(made: &Made, names: &str) -> Option<String> {
 fn dictionary(options: &ReportOptions, made: &[Made]) -> String {
     format!(
         "# Data dictionary\n\nThe numbers behind the report, unrounded. CSV and Parquet of one name hold the same; an \
-         empty field of a CSV is null in Parquet. Final success: over the last {} evaluations of a run. Intervals: {} \
+         empty field of a CSV is null in Parquet. Final success: over the last {} of a run. Intervals: {} \
          %, bootstrap with {} resamples where not said otherwise. Detectable differences: at level {ALPHA} over the number of \
          tests, with a power of {TARGET_POWER}.\n{}",
-        options.window,
+        counted(options.window, "evaluation"),
         options.resampling.confidence * 100.0,
         options.resampling.resamples,
         made.iter().filter_map(entry).collect::<String>(),

@@ -11,6 +11,7 @@ use crate::render::table::{Column, Sheet};
 use crate::schema::{Outcome, Timing};
 use crate::stats;
 use crate::store::Run;
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact = Artefact::table("runs", Section::Nowhere, "run", sheet)
     .repeated(Repeated::Folded("Single runs"))
@@ -27,7 +28,7 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 fn progress<'a>(analysis: &'a Analysis<'_>) -> Vec<Column<'a, Run>> {
     let environment = |run: &Run| run.key().environment.clone();
     let variant = |run: &Run| run.key().variant.clone();
-    let title = |run: &Run| analysis.catalogue().title(&run.key().curriculum);
+    let title = |run: &Run| analysis.catalogue().method_of(&run.manifest).title.clone();
     vec![
         Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, environment)
             .named("Environment", environment),
@@ -123,10 +124,10 @@ fn status(run: &Run) -> &'static str {
 
 fn caption(options: &ReportOptions) -> String {
     format!(
-        "Final success: success rate averaged over the last {} evaluations of the run, with Wilson's {} % interval for \
+        "Final success: success rate averaged over the last {} of the run, with Wilson's {} % interval for \
          the successes among all of their episodes. It covers the noise of evaluating this one run, not what another \
          seed would give. That of the untrained student is never among them. Steps: at the last evaluation. Time: by the clock on the wall up to it.",
-        options.window,
+        counted(options.window, "evaluation"),
         columns::percent(options.resampling.confidence),
     )
 }

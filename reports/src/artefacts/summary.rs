@@ -11,6 +11,7 @@ use crate::render::table::cells::{
 };
 use crate::render::table::{Column, Sheet};
 use crate::stats::Resampling;
+use crate::wording::counted;
 
 pub(super) const ROW: Artefact =
     Artefact::table("summary", RESULTS, "environment, curriculum and variant", sheet)
@@ -99,11 +100,11 @@ fn without_failed(shown: bool) -> Column<'static, GroupSummary> {
 }
 
 fn caption(options: &ReportOptions) -> String {
-    let window = options.window;
+    let window = counted(options.window, "evaluation");
     let Resampling { resamples, confidence, .. } = options.resampling;
     format!(
         "Numbers of runs that have ended{}; where none has, of all as far as they got. \
-         Final success: success rate averaged over the last {window} evaluations of each seed, that of the untrained \
+         Final success: success rate averaged over the last {window} of each seed, that of the untrained \
          student never among them, then mean ± standard deviation over seeds (ddof = {DDOF}). Without failed: the same \
          of finished runs alone, where some failed. At any step: the same mean of the share of episodes that were successful after \
          at least one of their actions, where the final success counts the last step alone; {UNDEFINED} where a seed has no \
@@ -112,7 +113,7 @@ fn caption(options: &ReportOptions) -> String {
          {BOOTSTRAP_COVERAGE}. Best mean: highest point of the mean curve. \
          AUC: area under the success rate over training steps divided by those steps, mean ± standard deviation \
          over seeds. Steps to 50 % and 80 %: the step by which at least half of the seeds had come to a success rate \
-         of 0.5 or 0.8: their first evaluation of at least that, from which on the mean of {window} evaluations is no lower; \
+         of 0.5 or 0.8: their first evaluation of at least that, from which on the mean of {window} is no lower; \
          {UNDEFINED} where fewer did; in parentheses the seeds that did, \
          where some did not by their last evaluation (censored): these count as later than all others. Steps: training \
          steps at the last evaluation, a range where seeds differ; Seeds: finished runs of all runs where some are \

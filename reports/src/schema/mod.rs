@@ -152,6 +152,34 @@ impl Learning {
     }
 }
 
+/// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have that were
+/// asked to measure it. Nothing in it depends on the clock.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frontier {
+    /// The evaluation beside which it was measured.
+    pub eval_index: u64,
+    /// Training steps so far.
+    pub step: u64,
+    /// Greedy episodes towards each goal.
+    pub episodes: u64,
+    /// How many of them ended in success, for every goal of the pool, `[N]`.
+    pub successes: Vec<u64>,
+    /// The goals of the pool, `[N][G]`, in single precision; in the first line alone, for they stay the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goals: Option<Vec<Vec<f32>>>,
+    /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for teachers
+    /// that do not weigh the pool.
+    pub weights: Option<Vec<f32>>,
+}
+
+impl Frontier {
+    /// The share of episodes that ended in success, for every goal of the pool, `[N]`.
+    pub fn rates(&self) -> Vec<f64> {
+        self.successes.iter().map(|&successes| successes as f64 / self.episodes as f64).collect()
+    }
+}
+
 /// Time taken: a line of `timing.jsonl`, kept apart because it differs between machines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -10,7 +10,9 @@ mod permutation;
 mod power;
 mod proportion;
 mod rates;
+mod roc;
 mod sign_flip;
+mod tail;
 mod welch;
 
 pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified_intervals};
@@ -20,5 +22,7 @@ pub use permutation::{Permutation, permutation, permutations};
 pub use power::{detectable_effect, effect_size, power};
 pub use proportion::wilson_interval;
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};
+pub use roc::auc;
 pub use sign_flip::{MOST_ENUMERATED, SignFlip, lowest_sign_flip_p, sign_flip};
+pub use tail::cvar;
 pub use welch::{Welch, fisher, hochberg, holm, welch};

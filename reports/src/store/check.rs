@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::limits::{self, Limits};
 use super::load::Loader;
 use super::run_folder::JsonLine;
-use crate::schema::{Learning, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 use crate::store::layout;
 use crate::store::problem::Fault;
+use crate::wording::counted_u64;
 
 /// A line that belongs to one evaluation.
 trait OfEvaluation: JsonLine {
@@ -14,16 +16,17 @@ trait OfEvaluation: JsonLine {
     fn eval_index(&self) -> u64;
 
     /// The first thing about the line that rules it out of the files of `run`.
-    fn misfit(&self, run: &RunKey) -> Option<Fault>;
+    fn misfit(&self, run: &RunKey, limits: &Limits) -> Option<Fault>;
 }
 
 /// The usable lines of the file of `T`, with their numbers, by rising evaluation and each evaluation once.
-fn by_index<T: OfEvaluation>(loader: &mut Loader<'_>, run: &RunKey) -> BTreeMap<u64, (usize, T)> {
+fn by_index<T: OfEvaluation>(loader: &mut Loader<'_>, manifest: &Manifest) -> BTreeMap<u64, (usize, T)> {
+    let limits = Limits::of(manifest);
     let mut kept: BTreeMap<u64, (usize, T)> = BTreeMap::new();
     for (line, value) in loader.lines::<T>() {
         let eval_index = value.eval_index();
         let again = || kept.get(&eval_index).map(|(first, _)| Fault::Duplicate { eval_index, first: *first });
-        match value.misfit(run).or_else(again) {
+        match value.misfit(&manifest.run, &limits).or_else(again) {
             Some(fault) => loader.fault(T::FILE, Some(line), fault),
             None => {
                 kept.insert(eval_index, (line, value));
@@ -33,21 +36,17 @@ fn by_index<T: OfEvaluation>(loader: &mut Loader<'_>, run: &RunKey) -> BTreeMap<
     kept
 }
 
-fn values<T>(by_index: BTreeMap<u64, (usize, T)>) -> Vec<T> {
-    by_index.into_values().map(|(_, value)| value).collect()
-}
-
 /// The usable timings of `records`, by rising evaluation: one that stands at another step than its
 /// evaluation, or before the timing of the evaluation before it, is none. An ended run has one for every
 /// evaluation.
 pub(super) fn timings(
     loader: &mut Loader<'_>,
-    run: &RunKey,
+    manifest: &Manifest,
     records: &[Record],
     has_ended: bool,
 ) -> Vec<Timing> {
     let mut kept: Vec<Timing> = Vec::with_capacity(records.len());
-    let mut found = by_index::<Timing>(loader, run);
+    let mut found = by_index::<Timing>(loader, manifest);
     let lacks = |record: &&Record| has_ended && !found.contains_key(&record.eval_index);
     let lacking: Vec<u64> = records.iter().filter(lacks).map(|record| record.eval_index).collect();
     for gap in lacking.chunk_by(|a, b| a + 1 == *b) {
@@ -71,19 +70,47 @@ pub(super) fn timings(
     kept
 }
 
-/// How the student's learning stood, as far as it can be used, by rising evaluation.
-pub(super) fn learning(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Learning> {
-    values(by_index(loader, run))
+/// How the student's learning stood beside `records`, as far as it can be used, by rising evaluation.
+pub(super) fn learning(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Learning> {
+    beside(loader, manifest, records, |line: &Learning| line.step)
 }
 
-/// What the teacher did, as far as it can be used, by rising evaluation.
-pub(super) fn teaching(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Teaching> {
-    values(by_index(loader, run))
+/// The success at every goal of the pool beside `records`, as far as it can be used, by rising evaluation.
+pub(super) fn frontier(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Frontier> {
+    beside(loader, manifest, records, |line: &Frontier| line.step)
 }
 
-/// The usable evaluations, by rising index and step.
-pub(super) fn records(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Record> {
-    let found = by_index::<Record>(loader, run);
+/// What the teacher did before `records`, as far as it can be used, by rising evaluation.
+pub(super) fn teaching(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Teaching> {
+    beside(loader, manifest, records, |line: &Teaching| line.step)
+}
+
+/// The usable lines of the file of `T`, which tell of the same evaluations as `records`, at the same steps.
+fn beside<T: OfEvaluation>(
+    loader: &mut Loader<'_>,
+    manifest: &Manifest,
+    records: &[Record],
+    step: impl Fn(&T) -> u64,
+) -> Vec<T> {
+    let recorded: BTreeMap<u64, u64> =
+        records.iter().map(|record| (record.eval_index, record.step)).collect();
+    let mut kept = Vec::new();
+    for (line, value) in by_index::<T>(loader, manifest).into_values() {
+        // Where the evaluation itself is not there, that is said of the records.
+        let fits = recorded.get(&value.eval_index()).is_none_or(|&recorded| recorded == step(&value));
+        match range("step", step(&value), "the step of the same evaluation") {
+            Some(fault) if !fits => loader.fault(T::FILE, Some(line), fault),
+            _ => kept.push(value),
+        }
+    }
+    kept
+}
+
+/// The usable evaluations of the run of `manifest`, by rising index and step.
+pub(super) fn records(loader: &mut Loader<'_>, manifest: &Manifest) -> Vec<Record> {
+    let found = by_index::<Record>(loader, manifest);
+    let limits = Limits::of(manifest);
+    let first = limits::first_step(found.values().map(|(_, record)| record));
     let mut kept: Vec<Record> = Vec::with_capacity(found.len());
     let mut expected = 0;
     for (eval_index, (line, record)) in found {
@@ -91,15 +118,26 @@ pub(super) fn records(loader: &mut Loader<'_>, run: &RunKey) -> Vec<Record> {
             loader.fault(layout::RECORDS, Some(line), Fault::Gap { from: expected, to: eval_index - 1 });
         }
         expected = eval_index.saturating_add(1);
-        match kept.last() {
-            Some(before) if before.step >= record.step => {
-                let fault = Fault::Order { eval_index, step: record.step, previous: before.step };
-                loader.fault(layout::RECORDS, Some(line), fault);
-            }
-            _ => kept.push(record),
+        let order = |before: &Record| {
+            let falls = before.step >= record.step;
+            falls.then_some(Fault::Order { eval_index, step: record.step, previous: before.step })
+        };
+        match kept.last().and_then(order).or_else(|| beyond(&record, &limits, first)) {
+            Some(fault) => loader.fault(layout::RECORDS, Some(line), fault),
+            None => kept.push(record),
         }
     }
     kept
+}
+
+/// What `record` cannot be where training first led to an evaluation at step `first`.
+fn beyond(record: &Record, limits: &Limits, first: Option<u64>) -> Option<Fault> {
+    let first = first?;
+    if record.mean_return < -(first as f64) {
+        return range("mean_return", record.mean_return, "at least -1 for every step of an episode");
+    }
+    let beyond = limits.last_step(first).is_some_and(|last| record.step > last);
+    if beyond { range("step", record.step, "a step within the budget") } else { None }
 }
 
 /// A number that is not what it must be.
@@ -112,7 +150,7 @@ impl OfEvaluation for Record {
         self.eval_index
     }
 
-    fn misfit(&self, run: &RunKey) -> Option<Fault> {
+    fn misfit(&self, run: &RunKey, limits: &Limits) -> Option<Fault> {
         let found = RunKey {
             environment: self.environment.clone(),
             curriculum: self.curriculum.clone(),
@@ -125,6 +163,16 @@ impl OfEvaluation for Record {
         if self.episodes == 0 {
             return range("episodes", 0, "at least 1");
         }
+        if limits.episodes.is_some_and(|episodes| episodes != self.episodes) {
+            return range("episodes", self.episodes, "as many as the config says");
+        }
+        if limits.gradient_steps(self.step).is_some_and(|most| self.gradient_steps > most) {
+            return range(
+                "gradient_steps",
+                self.gradient_steps,
+                "no more than the config's updates per cycle",
+            );
+        }
         let rates = [("success_rate", Some(self.success_rate)), ("any_success_rate", self.any_success_rate)];
         for (field, rate) in rates.into_iter().filter_map(|(field, rate)| Some((field, rate?))) {
             if !(0.0..=1.0).contains(&rate) {
@@ -133,7 +181,7 @@ impl OfEvaluation for Record {
             // Within rounding: shares are written with all digits they have.
             let successes = rate * self.episodes as f64;
             if (successes - successes.round()).abs() > 1e-6 {
-                let value = format!("{rate} of {} episodes", self.episodes);
+                let value = format!("{rate} of {}", counted_u64(self.episodes, "episode"));
                 return range(field, value, "a whole number of successes");
             }
         }
@@ -142,6 +190,16 @@ impl OfEvaluation for Record {
         }
         if !(self.mean_return.is_finite() && self.mean_return <= 0.0) {
             return range("mean_return", self.mean_return, "a number of at most 0");
+        }
+        if self.uncharged_steps > self.probe_steps {
+            return range("uncharged_steps", self.uncharged_steps, "at most probe_steps");
+        }
+        if self.probe_steps - self.uncharged_steps > self.step {
+            return range(
+                "probe_steps",
+                self.probe_steps,
+                "at most step, but for those that are not charged",
+            );
         }
         let (name, value) = self.teacher.iter().find(|(_, value)| !value.is_number() && !value.is_null())?;
         range(&format!("teacher.{name}"), value, "a number or null")
@@ -153,7 +211,7 @@ impl OfEvaluation for Timing {
         self.eval_index
     }
 
-    fn misfit(&self, _: &RunKey) -> Option<Fault> {
+    fn misfit(&self, _: &RunKey, _: &Limits) -> Option<Fault> {
         let Self { wall_s, evaluation_s, teacher_s, learning_s, .. } = *self;
         if !(wall_s.is_finite() && wall_s >= 0.0) {
             return range("wall_s", wall_s, "a number of at least 0");
@@ -173,8 +231,13 @@ impl OfEvaluation for Learning {
         self.eval_index
     }
 
-    fn misfit(&self, _: &RunKey) -> Option<Fault> {
-        let Self { critic_loss, critic_gradient_norm, actor_gradient_norm, .. } = *self;
+    fn misfit(&self, _: &RunKey, _: &Limits) -> Option<Fault> {
+        let Self { step, critic_loss, critic_gradient_norm, actor_gradient_norm, .. } = *self;
+        let stored =
+            [("replay_episodes", self.replay_episodes), ("replay_transitions", self.replay_transitions)];
+        if let Some((field, value)) = stored.into_iter().find(|(_, value)| *value > step) {
+            return range(field, value, "at most one for every training step");
+        }
         let (field, value) = [
             ("critic_loss", critic_loss),
             ("critic_gradient_norm", critic_gradient_norm),
@@ -187,12 +250,56 @@ impl OfEvaluation for Learning {
     }
 }
 
+impl OfEvaluation for Frontier {
+    fn eval_index(&self) -> u64 {
+        self.eval_index
+    }
+
+    fn misfit(&self, _: &RunKey, limits: &Limits) -> Option<Fault> {
+        let Self { episodes, ref successes, ref goals, ref weights, .. } = *self;
+        if episodes == 0 {
+            return range("episodes", 0, "at least 1");
+        }
+        if limits.frontier_episodes.is_some_and(|expected| expected != episodes) {
+            return range("episodes", episodes, "as many as the config says");
+        }
+        let size = limits.goals.unwrap_or(successes.len() as u64);
+        if successes.is_empty() || successes.len() as u64 != size {
+            return range(
+                "successes",
+                format!("{} long", successes.len()),
+                "an entry for every goal of the pool",
+            );
+        }
+        if let Some(count) = successes.iter().find(|count| **count > episodes) {
+            return range("successes", count, "at most as many as episodes");
+        }
+        let lengths = [("goals", goals.as_ref().map(Vec::len)), ("weights", weights.as_ref().map(Vec::len))];
+        let mut given = lengths.into_iter().filter_map(|(field, length)| Some((field, length?)));
+        if let Some((field, length)) = given.find(|(_, length)| *length != successes.len()) {
+            return range(field, format!("{length} long"), "as many entries as successes");
+        }
+        if let Some(fault) = goals.as_deref().and_then(unsound_goal) {
+            return Some(fault);
+        }
+        let weight = weights.iter().flatten().find(|weight| !(0.0..=1.0).contains(*weight))?;
+        range("weights", weight, "numbers in [0, 1]")
+    }
+}
+
+/// The first of `goals` that is none.
+fn unsound_goal(goals: &[Vec<f32>]) -> Option<Fault> {
+    let sound = |goal: &&Vec<f32>| goal.len() == goals[0].len() && goal.iter().all(|x| x.is_finite());
+    let goal = goals.iter().find(|goal| !sound(goal))?;
+    range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length")
+}
+
 impl OfEvaluation for Teaching {
     fn eval_index(&self) -> u64 {
         self.eval_index
     }
 
-    fn misfit(&self, _: &RunKey) -> Option<Fault> {
+    fn misfit(&self, _: &RunKey, _: &Limits) -> Option<Fault> {
         let Self { goals, successes, weights, picks, scores, ranks, .. } = self;
         let lengths = [
             ("successes", Some(successes.len())),
@@ -204,9 +311,8 @@ impl OfEvaluation for Teaching {
         if let Some((field, length)) = given.find(|(_, length)| *length != goals.len()) {
             return range(field, format!("{length} long"), "as many entries as goals");
         }
-        let sound = |goal: &Vec<f32>| goal.len() == goals[0].len() && goal.iter().all(|x| x.is_finite());
-        if let Some(goal) = goals.iter().find(|goal| !sound(goal)) {
-            return range("goals", format!("{goal:?}"), "goals of finite numbers, all of one length");
+        if let Some(fault) = unsound_goal(goals) {
+            return Some(fault);
         }
         let weights = weights.as_deref()?;
         if let Some(weight) = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight)) {
@@ -218,14 +324,30 @@ impl OfEvaluation for Teaching {
     }
 }
 
-/// What is to be said of a run that has ended: that it failed, and that its last evaluation lies behind its
-/// end.
-pub(super) fn outcome(outcome: &Outcome, last_step: Option<u64>) -> Vec<Fault> {
-    let (Outcome::Finished { step: end } | Outcome::Failed { step: end, .. }) = *outcome;
-    let after = last_step.filter(|&step| step > end).map(|step| Fault::AfterEnd { step, end });
-    let failed = match outcome {
-        Outcome::Finished { .. } => None,
-        Outcome::Failed { step, reason } => Some(Fault::Failed { step: *step, reason: reason.clone() }),
+/// Why the run of `manifest` with these `records` cannot have ended as `outcome` says; `None` if it can.
+pub(super) fn misfit(outcome: &Outcome, manifest: &Manifest, records: &[Record]) -> Option<String> {
+    let limits = Limits::of(manifest);
+    let last = records.last().map(|record| record.step);
+    let most = limits::first_step(records.iter()).and_then(|first| limits.last_step(first));
+    let told = match last {
+        Some(last) => format!("the last evaluation is at step {last}"),
+        None => "no evaluation is recorded".to_owned(),
     };
-    after.into_iter().chain(failed).collect()
+    match *outcome {
+        Outcome::Finished { step } if last != Some(step) => {
+            Some(format!("says that the run finished at step {step}, but {told}"))
+        }
+        Outcome::Finished { step } => limits.budget.filter(|&budget| step < budget).map(|budget| {
+            format!(
+                "says that the run finished at step {step}, but its budget is {}",
+                counted_u64(budget, "step")
+            )
+        }),
+        Outcome::Failed { step, .. } if last.is_some_and(|last| step < last) => {
+            Some(format!("says that the run failed at step {step}, but {told}"))
+        }
+        Outcome::Failed { step, .. } => most
+            .filter(|&most| step > most)
+            .map(|_| format!("says that the run failed at step {step}, which is beyond its budget")),
+    }
 }

@@ -11,7 +11,7 @@ use super::{RunFolder, digest, layout, read_json};
 use crate::schema::{Manifest, RunKey, SCHEMA};
 
 /// The files that hold what a run found: without one of them it is not what it was.
-const FOUND: [&str; 3] = [layout::RECORDS, layout::TEACHING, layout::STUDENT];
+const FOUND: [&str; 4] = [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::FRONTIER];
 
 /// SHA-256, in hex, of schema, run and config: a manifest's hash. Versions are not part of it: they are
 /// recorded, not compared.
@@ -48,9 +48,24 @@ impl Checksums {
     /// # Errors
     /// [`StoreError::Io`] if a file cannot be read.
     pub fn of(folder: &RunFolder, run: &str) -> Result<Self, StoreError> {
-        let there = FOUND.into_iter().chain([layout::TIMING]).filter(|name| folder.has(name));
-        let sums = there.map(|name| Ok((name.to_owned(), folder.sha256(name)?)));
-        Ok(Self { run: run.to_owned(), sha256: sums.collect::<Result<_, StoreError>>()? })
+        let mut sha256 = BTreeMap::new();
+        for name in FOUND.into_iter().chain([layout::TIMING, layout::OUTCOME]) {
+            if folder.has(name)? {
+                sha256.insert(name.to_owned(), folder.sha256(name)?);
+            }
+        }
+        Ok(Self { run: run.to_owned(), sha256 })
+    }
+
+    /// The same with an outcome of `bytes`, which is written after them.
+    pub fn with_outcome(mut self, bytes: &[u8]) -> Self {
+        self.sha256.insert(layout::OUTCOME.to_owned(), digest::sha256(bytes));
+        self
+    }
+
+    /// Checks one file of which old versions noted no checksum: without one it passes.
+    fn check_if_noted(&self, folder: &RunFolder, name: &str) -> Result<(), StoreError> {
+        if self.sha256.contains_key(name) { self.check(folder, name) } else { Ok(()) }
     }
 
     /// Checks one file.
@@ -71,7 +86,7 @@ pub fn check_manifest(folder: &RunFolder, manifest: &Manifest) -> Result<(), Sto
         return Ok(());
     }
     let reason = "its hash does not fit its config: it was altered after it was written";
-    Err(StoreError::Altered { path: folder.file(layout::MANIFEST), reason })
+    Err(altered(folder, layout::MANIFEST, reason))
 }
 
 /// Checks that the ended run of `manifest` in `folder` still has the files that it ended with.
@@ -79,29 +94,29 @@ pub fn check_manifest(folder: &RunFolder, manifest: &Manifest) -> Result<(), Sto
 /// # Errors
 /// [`StoreError::Altered`] naming the file that is missing, cut off, altered, or of another run; any other
 /// [`StoreError`] if one cannot be read.
-pub fn check_ended(folder: &RunFolder, manifest: &Manifest) -> Result<(), StoreError> {
+pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(), StoreError> {
     let noted = noted(folder)?;
     if !is_hash_of(&noted.run, manifest) {
         return Err(altered(folder, layout::CHECKSUMS, "belongs to a run with another config"));
     }
     for name in FOUND {
-        // Old versions did not record what teachers did, nor how students learned.
-        let never_was = !noted.sha256.contains_key(name) && name != layout::RECORDS && !folder.has(name);
+        // Old versions did not record what teachers did, nor how students learned; measures of the frontier are
+        // made on request.
+        let never_was = !noted.sha256.contains_key(name) && name != layout::RECORDS && !folder.has(name)?;
         if !never_was {
             noted.check(folder, name)?;
         }
     }
-    Ok(())
+    noted.check_if_noted(folder, layout::OUTCOME)
 }
 
 /// Checks that an ended run in `folder` still has the timings that it ended with. What it found holds without
 /// them: whoever shows times checks this, and goes on without the times.
 ///
 /// # Errors
-/// As [`check_ended`]. Old versions noted no checksum of timings: those pass.
+/// As `check_files`. Old versions noted no checksum of timings: those pass.
 pub fn check_timings(folder: &RunFolder) -> Result<(), StoreError> {
-    let noted = noted(folder)?;
-    if noted.sha256.contains_key(layout::TIMING) { noted.check(folder, layout::TIMING) } else { Ok(()) }
+    noted(folder)?.check_if_noted(folder, layout::TIMING)
 }
 
 fn noted(folder: &RunFolder) -> Result<Checksums, StoreError> {
@@ -110,5 +125,5 @@ fn noted(folder: &RunFolder) -> Result<Checksums, StoreError> {
 }
 
 fn altered(folder: &RunFolder, name: &str, reason: &'static str) -> StoreError {
-    StoreError::Altered { path: folder.file(name), reason }
+    StoreError::Altered { path: folder.file(name), reason: reason.to_owned() }
 }

@@ -10,15 +10,9 @@ use crate::schema::RunKey;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// Nothing lies at the path.
-    #[error("{path}: no such folder; expected the results folder of an experiment")]
-    NotFound {
-        /// The path given.
-        path: PathBuf,
-    },
     /// The folder is not a results folder.
     #[error(
-        "{path}: not a results folder; expected `runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json` in it"
+        "{path}: is no results folder; expected `runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json` in it"
     )]
     NotResults {
         /// The path given.
@@ -70,7 +64,7 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        reason: &'static str,
+        reason: String,
     },
     /// A manifest in the folder of another run.
     #[error("{path}: belongs to the run {found}, whose place is elsewhere")]
@@ -92,8 +86,7 @@ impl StoreError {
     /// The file or folder that it is about.
     pub fn path(&self) -> &Path {
         match self {
-            Self::NotFound { path }
-            | Self::NotResults { path }
+            Self::NotResults { path }
             | Self::Io { path, .. }
             | Self::Json { path, .. }
             | Self::Line { path, .. }

@@ -44,6 +44,8 @@ pub const RECORDS: &str = "records.jsonl";
 pub const TEACHING: &str = "teaching.jsonl";
 /// A [`Learning`](crate::schema::Learning) per line.
 pub const STUDENT: &str = "student.jsonl";
+/// A [`Frontier`](crate::schema::Frontier) per line; absent where none was asked for.
+pub const FRONTIER: &str = "frontier.jsonl";
 /// A [`Timing`](crate::schema::Timing) per line.
 pub const TIMING: &str = "timing.jsonl";
 /// [`Outcome`](crate::schema::Outcome).
@@ -70,6 +72,7 @@ pub static FILES: &[RunFile] = &[
     RunFile { name: RECORDS, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: TEACHING, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: STUDENT, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: FRONTIER, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: TIMING, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: OUTCOME, merged: true, packed: true, lives: Lives::UntilReopened },
     RunFile { name: CHECKSUMS, merged: true, packed: true, lives: Lives::UntilReopened },

@@ -5,7 +5,7 @@ use super::problem::{Fault, StoreProblem};
 use super::results::Results;
 use super::run_folder::{JsonLine, RunFolder};
 use super::{Run, check, checksums, layout, lines};
-use crate::schema::{Crash, Manifest, Outcome, Record, RunKey, SCHEMA, Timing};
+use crate::schema::{Crash, Manifest, Outcome, Record, SCHEMA, Timing};
 
 /// A run's folder and what was found wrong in it so far.
 pub(super) struct Loader<'a> {
@@ -86,17 +86,17 @@ impl<'a> Loader<'a> {
         if outcome.is_none() {
             return true;
         }
-        let Err(error) = checksums::check_ended(self.folder, manifest) else { return true };
+        let Err(error) = checksums::check_files(self.folder, manifest) else { return true };
         let file = error.path().file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
         self.fault(&file, None, Fault::Altered { reason: reason(error) });
         false
     }
 
     /// The timings of the evaluations; none where they are not those that the run ended with.
-    fn timings(&mut self, run: &RunKey, records: &[Record], has_ended: bool) -> Vec<Timing> {
+    fn timings(&mut self, manifest: &Manifest, records: &[Record], has_ended: bool) -> Vec<Timing> {
         let checked = if has_ended { checksums::check_timings(self.folder) } else { Ok(()) };
         match checked {
-            Ok(()) => check::timings(self, run, records, has_ended),
+            Ok(()) => check::timings(self, manifest, records, has_ended),
             Err(error) => {
                 self.fault(layout::TIMING, None, Fault::Untimed { reason: reason(error) });
                 Vec::new()
@@ -111,11 +111,19 @@ impl<'a> Loader<'a> {
         if !self.is_as_it_was(&manifest, outcome.as_ref()) {
             return None;
         }
-        let records = check::records(self, &manifest.run);
-        let timings = self.timings(&manifest.run, &records, outcome.is_some());
+        let before = self.problems.len();
+        let records = check::records(self, &manifest);
+        // Where an evaluation is not used, it may be the one that the outcome fits.
+        let all_used = self.problems.len() == before;
+        let timings = self.timings(&manifest, &records, outcome.is_some());
         match &outcome {
             Some(outcome) => {
-                for fault in check::outcome(outcome, records.last().map(|record| record.step)) {
+                let misfit = check::misfit(outcome, &manifest, &records).filter(|_| all_used);
+                if let Some(reason) = misfit {
+                    self.fault(layout::OUTCOME, None, Fault::Outcome { reason });
+                }
+                if let Outcome::Failed { step, reason } = outcome {
+                    let fault = Fault::Failed { step: *step, reason: reason.clone() };
                     self.fault(layout::OUTCOME, None, fault);
                 }
             }
@@ -132,7 +140,7 @@ impl<'a> Loader<'a> {
 /// What is wrong with a file, without its path.
 fn reason(error: StoreError) -> String {
     match error {
-        StoreError::Altered { reason, .. } => reason.to_owned(),
+        StoreError::Altered { reason, .. } => reason,
         StoreError::Io { action, source, .. } => format!("cannot {action}: {source}"),
         error => error.to_string(),
     }

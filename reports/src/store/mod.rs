@@ -9,8 +9,11 @@ pub mod cells;
 mod check;
 pub mod checksums;
 pub mod digest;
+mod ended;
 mod error;
+mod frontier;
 pub mod layout;
+mod limits;
 mod lines;
 mod load;
 mod makers;
@@ -26,7 +29,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+pub use ended::check_ended;
 pub use error::StoreError;
+pub use frontier::frontier;
 pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use student::learning;
@@ -74,7 +79,7 @@ impl Store {
     /// Reads all runs below `results/runs/`, in parallel; the answer does not depend on the order of reading.
     ///
     /// # Errors
-    /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
+    /// [`StoreError::Io`] and [`StoreError::NotResults`] if `results` is no results folder. Anything
     /// below that is a [`StoreProblem`].
     pub fn read(results: &Path) -> Result<Self, StoreError> {
         let folder = Results::new(results);

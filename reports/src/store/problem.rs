@@ -17,6 +17,13 @@ pub struct StoreProblem {
     pub fault: Fault,
 }
 
+impl StoreProblem {
+    /// Whether runs may lie behind it that nobody sees.
+    pub fn hides_runs(&self) -> bool {
+        matches!(self.fault, Fault::Unreadable { .. })
+    }
+}
+
 impl std::fmt::Display for StoreProblem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // Names and words of files may hold anything; a problem is one line.
@@ -155,13 +162,11 @@ pub enum Fault {
         /// Last one missing.
         to: u64,
     },
-    /// A run that goes on after its end.
-    #[error("evaluation at step {step}, kept; outcome.json says that the run ended at step {end}")]
-    AfterEnd {
-        /// Step of the last evaluation.
-        step: u64,
-        /// Step in the outcome.
-        end: u64,
+    /// An outcome that cannot be that of the run.
+    #[error("{reason}; the evaluations are kept")]
+    Outcome {
+        /// What does not fit.
+        reason: String,
     },
     /// A run that is not configured as its cell is.
     #[error(
@@ -189,6 +194,16 @@ pub enum Fault {
         /// Why, from its outcome.
         reason: String,
     },
+}
+
+impl Fault {
+    /// What is wrong, for readers that use nothing of the run.
+    pub(super) fn what(&self) -> String {
+        match self {
+            Self::Range { field, value, accepted } => format!("{field} is {value}; expected {accepted}"),
+            fault => fault.to_string(),
+        }
+    }
 }
 
 /// `evaluation 2 is`, `evaluations 2 to 4 are`.

@@ -25,19 +25,21 @@ const LONGEST: u64 = 16 << 20;
 /// differ in what was asked for beside it, count once. Without copies, as in old results, there are none.
 pub fn protocols(results: &Path) -> (Vec<ProtocolCopy>, Vec<StoreProblem>) {
     let folder = layout::protocols_dir(results);
-    let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
-    let is_copy = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_copy).collect();
-    paths.sort();
     let (mut found, mut problems): (Vec<ProtocolCopy>, _) = (Vec::new(), Vec::new());
-    for path in paths {
+    let mut faulty = |path: &Path, fault| {
+        let path = path.strip_prefix(results).unwrap_or(path).to_owned();
+        problems.push(StoreProblem { path, line: None, fault });
+    };
+    let paths = guard::files::entries(&folder).unwrap_or_else(|error| {
+        faulty(&folder, Fault::Unreadable { reason: error.to_string() });
+        None
+    });
+    let is_copy = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    for path in paths.into_iter().flatten().filter(is_copy) {
         match read(&path) {
             Ok(copy) if found.contains(&copy) => {}
             Ok(copy) => found.push(copy),
-            Err(fault) => {
-                let path = path.strip_prefix(results).unwrap_or(&path).to_owned();
-                problems.push(StoreProblem { path, line: None, fault: *fault });
-            }
+            Err(fault) => faulty(&path, *fault),
         }
     }
     (found, problems)

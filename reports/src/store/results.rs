@@ -1,7 +1,9 @@
 //! A results folder: which runs lie in it.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
+use guard::files;
 use walkdir::WalkDir;
 
 use super::error::StoreError;
@@ -26,23 +28,27 @@ impl Results {
     /// Looks for everything that lies below `runs/`. A folder in which no run has begun yet is passed over.
     ///
     /// # Errors
-    /// [`StoreError::NotFound`] and [`StoreError::NotResults`] if this is no results folder. What cannot be
-    /// read below is named in the survey.
+    /// [`StoreError::Io`] and [`StoreError::NotResults`] if this is no results folder. What cannot be read
+    /// below is named in the survey.
     pub fn survey(&self) -> Result<Survey, StoreError> {
-        if !self.path.is_dir() {
-            return Err(StoreError::NotFound { path: self.path.clone() });
-        }
-        if !layout::runs_dir(&self.path).is_dir() {
-            return Err(StoreError::NotResults { path: self.path.clone() });
+        fs::metadata(&self.path).map_err(StoreError::io(&self.path, "find this folder"))?;
+        let runs = layout::runs_dir(&self.path);
+        match fs::metadata(&runs) {
+            Ok(found) if found.is_dir() => {}
+            Err(error) if !files::is_absent(&error) => {
+                return Err(StoreError::io(runs, "find this folder")(error));
+            }
+            _ => return Err(StoreError::NotResults { path: self.path.clone() }),
         }
         let mut found = Survey::default();
         for entry in self.walk() {
             let (path, fault) = match entry {
                 Ok(Place::Run(folder)) => {
-                    match folder.leftover() {
-                        _ if folder.has(layout::MANIFEST) => found.runs.push(folder),
-                        Some(_) => found.lost.push(folder),
-                        None => {}
+                    match (folder.has(layout::MANIFEST), folder.leftover()) {
+                        (Ok(false), Ok(None)) => {}
+                        (Ok(false), Ok(Some(_))) => found.lost.push(folder),
+                        // Whoever reads a run that nobody can look at says what is in the way.
+                        (Ok(true) | Err(_), _) | (_, Err(_)) => found.runs.push(folder),
                     }
                     continue;
                 }

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use super::error::StoreError;
 use super::layout::{self, Lives};
 use super::{digest, lines};
-use crate::schema::{Crash, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
 
 /// A value of which a file of a run's folder has one per line.
 pub trait JsonLine: DeserializeOwned {
@@ -33,6 +33,11 @@ impl JsonLine for Teaching {
 impl JsonLine for Learning {
     const FILE: &'static str = layout::STUDENT;
     const NAME: &'static str = "diagnosis of the student";
+}
+
+impl JsonLine for Frontier {
+    const FILE: &'static str = layout::FRONTIER;
+    const NAME: &'static str = "measure of the frontier";
 }
 
 impl JsonLine for Timing {
@@ -88,15 +93,35 @@ impl RunFolder {
         self.path.join(name)
     }
 
-    /// Whether one of its files is there.
-    pub fn has(&self, name: &str) -> bool {
-        self.file(name).exists()
+    /// Whether one of its files is there, be it a link that leads nowhere.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] if nobody can tell, as in a folder that may not be searched.
+    pub fn has(&self, name: &str) -> Result<bool, StoreError> {
+        let path = self.file(name);
+        files::is_there(&path).map_err(StoreError::io(path, "look for this file"))
+    }
+
+    /// Whether one of its files is there and not empty.
+    ///
+    /// # Errors
+    /// As [`RunFolder::has`].
+    pub fn has_content(&self, name: &str) -> Result<bool, StoreError> {
+        // What cannot be looked into counts as content: nobody knows that there is none.
+        Ok(self.has(name)? && fs::metadata(self.file(name)).map_or(true, |file| file.len() > 0))
     }
 
     /// One of the files that a run leaves beside its manifest; `None` in a folder in which no run has begun.
-    pub fn leftover(&self) -> Option<&'static str> {
-        let names = layout::FILES.iter().map(|row| row.name);
-        names.filter(|name| ![layout::MANIFEST, layout::LOCK].contains(name)).find(|name| self.has(name))
+    ///
+    /// # Errors
+    /// As [`RunFolder::has`].
+    pub fn leftover(&self) -> Result<Option<&'static str>, StoreError> {
+        for name in layout::FILES.iter().map(|row| row.name) {
+            if ![layout::MANIFEST, layout::LOCK].contains(&name) && self.has(name)? {
+                return Ok(Some(name));
+            }
+        }
+        Ok(None)
     }
 
     /// The run whose place in a results folder this is; `None` if it lies elsewhere.
@@ -141,6 +166,14 @@ impl RunFolder {
     /// # Errors
     /// [`StoreError`] naming the first line that is not what the schema says.
     pub fn learning(&self) -> Result<Vec<Learning>, StoreError> {
+        self.lines()
+    }
+
+    /// Its student's success at every goal of the pool, `[measures]`; none where none was asked for.
+    ///
+    /// # Errors
+    /// [`StoreError`] naming the first line that is not what the schema says.
+    pub fn frontier(&self) -> Result<Vec<Frontier>, StoreError> {
         self.lines()
     }
 
@@ -249,9 +282,11 @@ impl RunFolder {
     /// [`StoreError::Io`] naming the file or folder.
     pub fn copy_to(&self, to: &Path) -> Result<(), StoreError> {
         fs::create_dir_all(to).map_err(StoreError::io(to, "create this folder"))?;
-        for row in layout::FILES.iter().filter(|row| row.merged && self.has(row.name)) {
-            let from = self.file(row.name);
-            copy(&from, &to.join(row.name)).map_err(StoreError::io(from, "copy this file"))?;
+        for row in layout::FILES.iter().filter(|row| row.merged) {
+            if self.has(row.name)? {
+                let from = self.file(row.name);
+                copy(&from, &to.join(row.name)).map_err(StoreError::io(from, "copy this file"))?;
+            }
         }
         Ok(())
     }
@@ -285,7 +320,7 @@ fn read_optional(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
     match files::read(path) {
         Ok(bytes) => Ok(Some(bytes)),
         // A path that leads through a file is told when the folder is to be created.
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        Err(error) if files::is_absent(&error) => Ok(None),
         Err(source) => Err(StoreError::Io { path: path.to_owned(), action: "read this file", source }),
     }
 }

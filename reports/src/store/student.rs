@@ -13,6 +13,6 @@ pub fn learning(results: &Path, run: &Run) -> (Vec<Learning>, Vec<StoreProblem>)
     let folder = RunFolder::of(results, run.key());
     let results = Results::new(results);
     let mut loader = Loader::new(&results, &folder);
-    let learning = check::learning(&mut loader, run.key());
+    let learning = check::learning(&mut loader, &run.manifest, &run.records);
     (learning, loader.into_problems())
 }

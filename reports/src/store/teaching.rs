@@ -14,6 +14,6 @@ pub fn teaching(results: &Path, run: &Run) -> (Vec<Teaching>, Vec<StoreProblem>)
     let folder = RunFolder::of(results, run.key());
     let results = Results::new(results);
     let mut loader = Loader::new(&results, &folder);
-    let teaching = check::teaching(&mut loader, run.key());
+    let teaching = check::teaching(&mut loader, &run.manifest, &run.records);
     (teaching, loader.into_problems())
 }

@@ -239,8 +239,9 @@ impl Experiment {
         file(layout::TIMING, timings.iter().map(json_line).collect())?;
         let sums = Checksums::of(&RunFolder::new(&folder), &manifest.hash);
         let sums = sums.map_err(|error| ReportError::io(&folder, "read this folder")(error.into()))?;
-        file(layout::CHECKSUMS, json_line(&sums))?;
-        file(layout::OUTCOME, json_line(&Outcome::Finished { step: end }))
+        let outcome = json_line(&Outcome::Finished { step: end });
+        file(layout::CHECKSUMS, json_line(&sums.with_outcome(outcome.as_bytes())))?;
+        file(layout::OUTCOME, outcome)
     }
 }
 

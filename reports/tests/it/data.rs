@@ -70,7 +70,7 @@ fn records_have_a_row_per_evaluation() {
     reports::write(results.path(), &options()).unwrap();
     let file = std::fs::File::open(layout::report_dir(results.path()).join("records.parquet")).unwrap();
     let frame: DataFrame = ParquetReader::new(file).finish().unwrap();
-    assert_eq!(frame.shape(), (4, 13));
+    assert_eq!(frame.shape(), (4, 15));
     let numbers = |name: &str| frame.column(name).unwrap().f64().unwrap().to_vec();
     assert_eq!(numbers("success_rate"), [0.75, 0.25, 0.0, 0.5].map(Some));
     assert_eq!(numbers("any_success_rate"), [0.8, 0.3, 0.05, 0.55].map(Some));

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 /// A config of NOVA or of another curriculum with the budget of its environment, as protocols resolve it:
 /// NOVA's defaults but for `settings`.
 fn resolved(environment: &str, curriculum: &str, goals: &str, settings: &[(&str, Value)]) -> Value {
-    let (steps, every) = if environment == "ArmReach" { (6_000, 500) } else { (40_000, 2_000) };
+    let (steps, every) = if environment == "ArmReach" { (600, 500) } else { (1_000, 1_000) };
     let mut own = json!({});
     if curriculum == "nova" {
         own = json!({
@@ -25,7 +25,7 @@ fn resolved(environment: &str, curriculum: &str, goals: &str, settings: &[(&str,
     }
     json!({
         "budget": {"steps": steps},
-        "evaluation": {"every": every, "episodes": 20, "goals": goals},
+        "evaluation": {"every": every, "goals": goals},
         "curriculum": {curriculum: own},
     })
 }

@@ -26,6 +26,7 @@ fn curve(environment: &str, curriculum: &str, variant: &str, n: usize, rate: imp
             mean: rate(share),
             std,
             gradient_steps: index as f64 * 4_000.0,
+            uncharged_steps: 0.0,
             hours: Some(0.037 * index as f64),
         }
     };

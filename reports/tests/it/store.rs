@@ -224,7 +224,7 @@ fn timings_and_outcomes_are_checked() {
             .unwrap();
     });
     let expected = [
-        "outcome.json: evaluation at step 3000, kept; outcome.json says that the run ended at step 2000",
+        "outcome.json: says that the run failed at step 2000, but the last evaluation is at step 3000; the evaluations are kept",
         "outcome.json: the run failed at step 2000, its evaluations are kept: NaN in Q",
         "timing.jsonl: evaluations 0 to 1 are missing",
         "timing.jsonl: evaluation 3 is missing",
@@ -357,7 +357,8 @@ fn a_run_without_records_yet_is_a_run() {
 fn other_folders_are_refused_with_what_was_expected() {
     let empty = TempDir::new().unwrap();
     let missing = empty.path().join("nothing");
-    assert!(matches!(Store::read(&missing), Err(StoreError::NotFound { .. })));
+    let error = Store::read(&missing).unwrap_err().to_string();
+    assert!(error.ends_with("nothing: cannot find this folder"), "{error}");
     let error = Store::read(empty.path()).unwrap_err();
     assert!(
         error.to_string().contains("runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/manifest.json"),
@@ -385,7 +386,7 @@ fn records_older_than_success_at_any_step_are_read() {
     let rates = store.runs()[0].records.iter().map(|record| record.any_success_rate);
     assert_eq!(rates.collect::<Vec<_>>(), [None, None]);
     let missing = reports::write(results.path(), &options()).unwrap().missing;
-    let expected = "success at any step: 1 of 2 runs have no record of it (older than the field)";
+    let expected = "success at any step: 1 of 2 runs without a record of it (older than the field)";
     assert!(missing.iter().any(|text| text == expected), "{missing:#?}");
     let csv = fs::read_to_string(layout::report_dir(results.path()).join("summary.csv")).unwrap();
     let at_any_step = csv.lines().map(|line| line.split(',').nth(10).unwrap()).collect::<Vec<_>>();

@@ -119,7 +119,7 @@ fn diagnostics_are_drawn_on_request() {
     }
     write_run(results.path(), &key("RoomA", "dull", "old", 0), &[0.0, 0.5]);
     let missing = reports::write(results.path(), &asked).unwrap().missing;
-    let silent = "how students learned: 1 of 7 runs have no record of it (student.jsonl)";
+    let silent = "how students learned: 1 of 7 runs without a record of it (student.jsonl)";
     assert!(missing.iter().any(|text| text == silent), "{missing:?}");
     fs::remove_dir_all(results.path().join("runs/RoomA/dull/old")).unwrap();
     // And are gone with the next report that is not asked for them.

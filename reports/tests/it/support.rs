@@ -81,6 +81,7 @@ pub(crate) fn seal(folder: &Path) {
 pub(crate) fn fail(folder: &Path) {
     let step = RunFolder::new(folder).records().unwrap().last().map_or(0, |record| record.step);
     fs::write(folder.join(layout::OUTCOME), line(&Outcome::Failed { step, reason: "NaN".into() })).unwrap();
+    seal(folder);
 }
 
 /// 20, or 1,000 where 20 episodes cannot have this success rate.

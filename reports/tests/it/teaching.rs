@@ -101,7 +101,7 @@ fn what_teachers_picked_is_a_table_where_they_tell() {
     let written = reports::write(path, &options()).unwrap();
     // The one of DULL; no environment is known to be a maze.
     let silent =
-        "which goals of the pool were picked: 1 of 3 runs have no record of it (older than the field)";
+        "which goals of the pool were picked: 1 of 3 runs without a record of it (older than the field)";
     assert!(written.missing.iter().any(|text| text == silent), "{:?}", written.missing);
     assert!(table.is_file());
     let csv = fs::read_to_string(layout::report_dir(path).join("teaching.csv")).unwrap();
@@ -157,7 +157,7 @@ fn all_runs_are_asked_for_what_was_picked_whatever_they_choose_from() {
     // Of six methods none is silent, DULL with its number that is not defined neither; an ablation's run
     // counts.
     let silent =
-        "which goals of the pool were picked: 1 of 7 runs have no record of it (older than the field)";
+        "which goals of the pool were picked: 1 of 7 runs without a record of it (older than the field)";
     assert_eq!(made("n=3").as_deref(), Some(silent));
     assert_eq!(made("default").as_deref(), Some(silent.replace('7', "6").as_str()));
 }

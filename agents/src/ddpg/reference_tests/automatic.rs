@@ -4,7 +4,7 @@ use tch::{Kind, Tensor};
 
 use super::{ACTION_L2, DISCOUNT, SPEC, shapes};
 use crate::batch::Batch;
-use crate::ddpg::update::Learner;
+use crate::ddpg::update::Networks;
 use crate::inputs::Normalizers;
 use crate::networks::{Output, Parameters, Shape, Stack, Trained};
 
@@ -82,10 +82,10 @@ impl Reference {
         Self { first: zeros(), second: zeros(), steps: 0, online, target }
     }
 
-    /// Actor and critic.
-    pub(super) fn both(learner: &Learner, layers: usize) -> [Self; 2] {
+    /// Actor and critic of one student.
+    pub(super) fn both(networks: &Networks, layers: usize) -> [Self; 2] {
         let [actor, critic] = shapes(layers);
-        [Self::of(&learner.actor, actor), Self::of(&learner.critic.networks, critic)]
+        [Self::of(&networks.actor, actor), Self::of(&networks.critic, critic)]
     }
 
     pub(super) fn adam(&mut self, gradient: &[Tensor], lr: f64) {

@@ -1,6 +1,7 @@
 //! The hand-written update against the same losses under automatic differentiation, in double precision.
 
 mod automatic;
+mod lanes;
 
 use envs::rng::{Purpose, Rng, stream};
 use envs::{Defaults, Spec};
@@ -9,7 +10,7 @@ use tch::{Device, Kind, Tensor};
 
 use automatic::{Mlp, Reference, Transitions};
 
-use super::update::Learner;
+use super::update::{Learner, Networks};
 use crate::auto::Auto;
 use crate::batch::{Batch, Dims};
 use crate::config::StudentConfig;
@@ -42,9 +43,9 @@ fn shapes(layers: usize) -> [Shape; 2] {
     [shape(dims.actor_inputs(), dims.action, Output::Tanh), shape(dims.critic_inputs(), 1, Output::Linear)]
 }
 
-/// A learner whose four networks all differ and have no zero biases. The target networks' values are so large
+/// A learner, and networks that all differ and have no zero biases. The target networks' values are so large
 /// that some Bellman targets are clipped.
-fn learner(layers: usize, batch: usize, precision: Precision, rng: &mut Rng) -> Learner {
+fn learner(layers: usize, batch: usize, precision: Precision, rng: &mut Rng) -> (Learner, Networks) {
     let config = StudentConfig {
         batch: Auto::Value(batch),
         actor_lr: 1e-3,
@@ -54,8 +55,14 @@ fn learner(layers: usize, batch: usize, precision: Precision, rng: &mut Rng) -> 
     };
     let dims = Dims::of(&SPEC);
     let arithmetic = Arithmetic { device: Device::Cpu, precision };
-    let learner = Learner::new(&config, DISCOUNT, dims, shapes(layers), arithmetic, rng).unwrap();
-    for trained in [&learner.actor, &learner.critic.networks] {
+    let learner = Learner::new(&config, DISCOUNT, dims, shapes(layers), 1, arithmetic).unwrap();
+    (learner, networks(layers, arithmetic, rng))
+}
+
+/// Networks of one student as [`learner`] gives them.
+fn networks(layers: usize, arithmetic: Arithmetic, rng: &mut Rng) -> Networks {
+    let mut networks = Networks::new(Dims::of(&SPEC), shapes(layers), arithmetic, rng).unwrap();
+    for trained in networks.both() {
         for (network, scale) in [(Parameters::Online, 1.0), (Parameters::Target, 1.5)] {
             let stack = trained.network(network);
             let mut numbers = stack.numbers().unwrap();
@@ -65,7 +72,7 @@ fn learner(layers: usize, batch: usize, precision: Precision, rng: &mut Rng) -> 
             stack.set_numbers(&numbers).unwrap();
         }
     }
-    learner
+    networks
 }
 
 /// Normalisers that have seen numbers like those of [`batch`].
@@ -147,10 +154,10 @@ fn check_gradients(cases: &[(usize, usize)], precision: Precision, most: f64) {
     crate::prepare_thread();
     let mut rng = stream(0, Purpose::Weights);
     for &(layers, n) in cases {
-        let mut learner = learner(layers, n, precision, &mut rng);
+        let (mut learner, mut networks) = learner(layers, n, precision, &mut rng);
         let normalizers = normalizers(&mut rng);
         let batch = batch(n, &mut rng);
-        let [actor, critic] = Reference::both(&learner, layers);
+        let [actor, critic] = Reference::both(&networks, layers);
         let transitions = Transitions::of(&batch, &normalizers);
         if n >= 256 {
             let targets = numbers(&transitions.targets(&actor.target, &critic.target));
@@ -161,11 +168,11 @@ fn check_gradients(cases: &[(usize, usize)], precision: Precision, most: f64) {
         let expected = transitions.gradients(&actor, &critic);
 
         let references = (&transitions, [&actor, &critic]);
-        check_dry_step(&mut learner, (&batch, &normalizers), references, &expected, most);
+        check_dry_step((&mut learner, &mut networks), (&batch, &normalizers), references, &expected, most);
         // The update leaves its gradients in place.
-        learner.update(&batch, &normalizers).unwrap();
-        let networks = [&mut learner.actor, &mut learner.critic.networks];
-        for ((trained, shape), expected) in networks.into_iter().zip(shapes(layers)).zip(expected) {
+        learner.inputs.fill(&batch, &normalizers).unwrap();
+        learner.update(&mut networks).unwrap();
+        for ((trained, shape), expected) in networks.both().into_iter().zip(shapes(layers)).zip(expected) {
             let gradient = Mlp::of(trained.for_backward().1, shape).parameters;
             let error = match precision {
                 Precision::F32 => largest_relative_error(&gradient, &expected),
@@ -183,13 +190,13 @@ fn check_gradients(cases: &[(usize, usize)], precision: Precision, most: f64) {
 /// What a step would find is what automatic differentiation finds. The update that follows is checked after
 /// it.
 fn check_dry_step(
-    learner: &mut Learner,
+    (learner, networks): (&mut Learner, &mut Networks),
     (batch, normalizers): (&Batch, &Normalizers),
     (transitions, [actor, critic]): (&Transitions, [&Reference; 2]),
     gradients: &[Vec<Tensor>; 2],
     most: f64,
 ) {
-    let found = learner.dry_step(batch, normalizers).unwrap();
+    let found = learner.dry_step(networks, batch, normalizers).unwrap();
     let targets = transitions.targets(&actor.target, &critic.target);
     let taken = Tensor::cat(&[&transitions.observed, &transitions.actions], 1);
     let number = |tensor: Tensor| tensor.double_value(&[]);
@@ -242,10 +249,10 @@ fn two_hundred_rounded_updates_stay_near_those_in_double_precision() {
 fn check_updates(polyak: f64, every: usize, precision: Precision, most: f64) {
     crate::prepare_thread();
     let mut rng = stream(1, Purpose::Weights);
-    let mut learner = learner(2, 64, precision, &mut rng);
+    let (mut learner, mut networks) = learner(2, 64, precision, &mut rng);
     let normalizers = normalizers(&mut rng);
-    let start = Reference::both(&learner, 2);
-    let [mut actor, mut critic] = Reference::both(&learner, 2);
+    let start = Reference::both(&networks, 2);
+    let [mut actor, mut critic] = Reference::both(&networks, 2);
     for _ in 0..200 / every {
         for _ in 0..every {
             let batch = batch(64, &mut rng);
@@ -253,14 +260,15 @@ fn check_updates(polyak: f64, every: usize, precision: Precision, most: f64) {
                 Transitions::of(&batch, &normalizers).gradients(&actor, &critic);
             actor.adam(&actor_gradient, 1e-3);
             critic.adam(&critic_gradient, 2e-3);
-            learner.update(&batch, &normalizers).unwrap();
+            learner.inputs.fill(&batch, &normalizers).unwrap();
+            learner.update(&mut networks).unwrap();
         }
         actor.follow(polyak);
         critic.follow(polyak);
-        learner.follow(polyak).unwrap();
+        networks.follow(polyak).unwrap();
     }
-    assert_eq!(learner.steps, 200);
-    let got = Reference::both(&learner, 2);
+    assert_eq!(networks.steps(0), 200);
+    let got = Reference::both(&networks, 2);
     for ((got, expected), start) in got.iter().zip([&actor, &critic]).zip(&start) {
         for (name, got, expected, start) in [
             ("online", &got.online, &expected.online, &start.online),

@@ -22,7 +22,7 @@ pub(super) fn continues_identically(subject: Subject<'_>, before: &[usize]) {
     resumed.teacher = subject.class(GOALS).teacher;
     resumed.teacher.load(&saved(&straight)).unwrap_or_else(|error| panic!("{name}: {error}"));
     let numbers = |class: &Class| {
-        let bits = |(name, value): (&'static str, f64)| (name, value.to_bits());
+        let bits = |(name, value): (&str, f64)| (name.to_owned(), value.to_bits());
         class.teacher.summary().statistics.into_iter().map(bits).collect::<Vec<_>>()
     };
     assert_eq!(numbers(&resumed), numbers(&straight), "{name}");

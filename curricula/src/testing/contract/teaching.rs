@@ -108,13 +108,13 @@ pub(super) fn tells_weights_that_are_a_distribution(subject: Subject<'_>) {
 
 pub(super) fn tells_the_same_numbers_in_the_same_order(subject: Subject<'_>) {
     let mut class = subject.class(GOALS);
-    let names = |class: &Class| -> Vec<&str> {
-        class.teacher.summary().statistics.into_iter().map(|(name, _)| name).collect()
+    let names = |class: &Class| -> Vec<String> {
+        class.teacher.summary().statistics.into_iter().map(|(name, _)| name.to_owned()).collect()
     };
     let before = names(&class);
     proposals(&mut class, 4);
     assert_eq!(before, names(&class), "{subject}: the numbers have other names now");
     let snake_case =
-        |name: &&str| name.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
+        |name: &String| name.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
     assert!(before.iter().all(snake_case), "{subject}: {before:?}");
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use reports::schema::RunKey;
-use reports::store::{Results, RunFolder, Survey, layout};
+use reports::store::problem::StoreProblem;
+use reports::store::{Results, RunFolder, StoreError, Survey, layout};
 
 use crate::Registry;
 use crate::error::{HarnessError, chain};
@@ -30,6 +31,8 @@ pub(super) struct Chosen {
     pub(super) left_out: Vec<HarnessError>,
     /// What lies where runs belong and is none, in a line each.
     pub(super) strays: Vec<String>,
+    /// Whether runs may lie in what could not be read.
+    pub(super) hides_runs: bool,
 }
 
 /// The runs that `paths` stand for.
@@ -38,41 +41,54 @@ pub(super) struct Chosen {
 /// [`HarnessError`] if a path is neither a run nor a results folder, or a run given by itself has no policy
 /// or is damaged.
 pub(super) fn find(registry: &Registry, paths: &[PathBuf]) -> Result<Chosen, HarnessError> {
-    let mut chosen = Chosen { subjects: Vec::new(), left_out: Vec::new(), strays: Vec::new() };
-    let mut seen = BTreeSet::new();
+    let mut chosen =
+        Chosen { subjects: Vec::new(), left_out: Vec::new(), strays: Vec::new(), hides_runs: false };
+    let (mut given, mut seen) = (BTreeSet::new(), BTreeSet::new());
     for path in paths {
         let place = absolute(path)?;
+        if !given.insert(place.clone()) {
+            continue;
+        }
         let mut add = |subject: Subject| -> Result<(), HarnessError> {
             if seen.insert(absolute(&subject.folder)?) {
                 chosen.subjects.push(subject);
             }
             Ok(())
         };
-        if RunFolder::new(path).has(layout::MANIFEST) {
+        if RunFolder::new(path).has(layout::MANIFEST)? {
             let run = Policy::read(registry, path)?.run().clone();
             outcome(path, &read_manifest(path)?.0)?;
             let results = results_of(&place, &run).unwrap_or(&place).to_owned();
             add(Subject { folder: path.clone(), results, named: true, run })?;
-        } else if layout::runs_dir(path).is_dir() {
-            let Survey { runs, lost, strays } = Results::new(path).survey()?;
-            chosen.strays.extend(strays.iter().map(|stray| format!("{}: {stray}", path.display())));
-            for folder in runs.into_iter().chain(lost) {
-                match within(&place, &folder) {
-                    Ok(subject) => add(subject)?,
-                    Err(error) => chosen.left_out.push(error),
-                }
+            continue;
+        }
+        let Survey { runs, lost, strays } = Results::new(path).survey().map_err(neither)?;
+        chosen.hides_runs |= strays.iter().any(StoreProblem::hides_runs);
+        chosen.strays.extend(strays.iter().map(|stray| format!("{}: {stray}", path.display())));
+        for folder in runs.into_iter().chain(lost) {
+            match within(&place, &folder) {
+                Ok(subject) => add(subject)?,
+                Err(error) => chosen.left_out.push(error),
             }
-        } else {
-            let reason = format!(
-                "is neither a run's folder, which holds {}, nor a results folder, which holds runs/",
-                layout::MANIFEST
-            );
-            return Err(HarnessError::Missing { path: path.clone(), reason });
         }
     }
     chosen.subjects.sort_by(|a, b| (&a.results, &a.run).cmp(&(&b.results, &b.run)));
     chosen.left_out.sort_by_cached_key(|error| chain(error));
     Ok(chosen)
+}
+
+/// Of a path that is no run's folder, and no results folder either.
+fn neither(error: StoreError) -> HarnessError {
+    match error {
+        StoreError::NotResults { path } => {
+            let reason = format!(
+                "is neither a run's folder, which holds {}, nor a results folder, which holds runs/",
+                layout::MANIFEST
+            );
+            HarnessError::Missing { path, reason }
+        }
+        error => error.into(),
+    }
 }
 
 /// The run in `folder` of the results folder `results`.

@@ -14,7 +14,7 @@ use reports::store::cells::{CellMember, OddOne, odd_ones};
 use reports::wording::counted;
 use serde_json::Value;
 
-use super::flags::{JobsFlag, QuietFlag, count_in};
+use super::flags::{JobsFlag, QuietFlag, whole};
 use super::{Exit, ExitCode, complain, print};
 use crate::Registry;
 use crate::console;
@@ -37,10 +37,10 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
     /// Episodes of each run
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count_in(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>(1..=1_000_000))]
     episodes: u64,
     /// Seed of starts and goals
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>(..))]
     seed: u64,
     #[command(flatten)]
     jobs: JobsFlag,
@@ -69,7 +69,7 @@ struct Measured {
 }
 
 pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
-    let Chosen { subjects, mut left_out, strays } = find(registry, &args.paths)?;
+    let Chosen { subjects, mut left_out, strays, hides_runs } = find(registry, &args.paths)?;
     let outcomes = measure_all(registry, &subjects, args)?;
     let (mut measured, mut broken) = (Vec::new(), false);
     for (subject, outcome) in subjects.iter().zip(outcomes) {
@@ -90,7 +90,7 @@ pub(super) fn evaluate(registry: &Registry, args: &Args) -> Exit {
     for reason in &odd {
         complain(&format!("goalbench: in no mean: {reason}"));
     }
-    let is_damaged = left_out.iter().any(HarnessError::is_damage);
+    let is_damaged = hides_runs || left_out.iter().any(HarnessError::is_damage);
     for stray in strays {
         complain(&format!("goalbench: left out: {stray}"));
     }

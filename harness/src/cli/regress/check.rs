@@ -10,7 +10,8 @@ use super::options::{RunsArgs, SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
 use crate::cli::complain;
-use crate::cli::flags::{ProtocolFlags, parse_seeds};
+use crate::cli::flags::{ProtocolFlags, name, parse_seeds};
+use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
 use crate::outputs;
 use crate::paper;
@@ -36,11 +37,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "SEEDS")]
     seeds: Option<String>,
     /// Only these of the baseline's environments
-    #[arg(long = "env", alias = "environment", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "env", alias = "environment", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Only these of the baseline's curricula
-    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
+    /// What a changed setting does to learning, as in `student.precision="bf16"`: the runs are carried out
+    /// with it, the baseline was recorded without
+    #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "exact")]
+    settings_changed: Vec<String>,
     /// Fail where any run differs from the baseline's in any byte (for the machine that recorded it)
     #[arg(long)]
     exact: bool,
@@ -70,10 +75,16 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
         Some(text) => parse_seeds("--seeds", text)?,
         None => baseline.gate.seeds.clone(),
     };
+    let recorded = Plan::new(&protocol, registry)?;
+    let before = baseline.cells_of(&regress::expected(&recorded), &args.baseline)?;
+    notes.extend(regress::foreign(&baseline));
+    for assignment in &args.settings_changed {
+        protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
+        notes.push(format!("the baseline was recorded without --set {assignment}"));
+    }
     let plan = Plan::new(&protocol, registry)?;
     let expected = regress::expected(&plan);
-    let before = baseline.cells_of(&expected, &args.baseline)?;
-    notes.extend(regress::foreign(&baseline));
+    check_evaluations(&recorded, &plan)?;
     if !args.exact {
         // Told before anything is run.
         let tests = compare::samples(&before, &before, settings.window).len();
@@ -116,6 +127,20 @@ fn same_protocol(baseline: &Baseline, args: &Args) -> Result<(), HarnessError> {
         baseline.source,
     );
     Err(HarnessError::Argument { option: "PROTOCOL", reason })
+}
+
+/// Checks that the runs of `plan` are evaluated as those that were `recorded`: other curves compare with
+/// nothing.
+fn check_evaluations(recorded: &Plan, plan: &Plan) -> Result<(), HarnessError> {
+    let same = recorded.runs.iter().zip(&plan.runs).all(|(before, now)| {
+        before.config.budget == now.config.budget && before.config.evaluation == now.config.evaluation
+    });
+    if same {
+        return Ok(());
+    }
+    let reason = "settings of `budget` and `evaluation` stay the baseline's, so that curves can be compared; \
+                  record a baseline with others";
+    Err(HarnessError::Argument { option: "--set", reason: reason.to_owned() })
 }
 
 /// Narrows `protocol` to what the options name, and says what is left out.

@@ -9,6 +9,7 @@ use reports::wording::{counted, counted_u64};
 use super::options::{SettingsArgs, name_options};
 use super::{Exit, print};
 use crate::Registry;
+use crate::cli::flags::whole;
 use crate::protocol::plan::Plan;
 use crate::regress;
 use crate::sweep::ExitCode;
@@ -22,16 +23,16 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     baseline: PathBuf,
     /// Seeds of each simulated check
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<usize>(..))]
     now: usize,
     /// Other seeds that it is compared with
-    #[arg(long, value_name = "N", default_value_t = 12)]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<usize>(..))]
     before: usize,
     /// Simulated checks
-    #[arg(long, value_name = "N", default_value_t = 2000)]
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = whole::<u64>(..))]
     draws: u64,
     /// Seed of the draws
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>(..))]
     seed: u64,
     #[command(flatten)]
     settings: SettingsArgs,

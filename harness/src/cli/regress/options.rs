@@ -7,11 +7,11 @@ use reports::gate::compare::Settings;
 use reports::wording::counted;
 
 use crate::cli::complain;
-use crate::cli::flags::{DetailFlags, JobsFlag};
+use crate::cli::flags::{DetailFlags, JobsFlag, number, whole};
 use crate::error::HarnessError;
 use crate::outputs;
 use crate::protocol::plan::Plan;
-use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, reporter};
+use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, local, reporter};
 
 /// How often a run whose worker crashed is begun again from its checkpoint.
 const RETRIES: u32 = 1;
@@ -22,13 +22,13 @@ const RETRIES: u32 = 1;
 pub(super) struct SettingsArgs {
     /// Highest share of checks of unchanged code that may fail: corrected p-values up to it count [default:
     /// 0.02, or the baseline's]
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = number)]
     alpha: Option<f64>,
     /// Smallest fall of a success rate that matters [default: 0.05, or the baseline's]
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = number)]
     smallest_effect: Option<f64>,
     /// Evaluations that the final success is averaged over [default: 3, or the baseline's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     window: Option<u16>,
 }
 
@@ -127,12 +127,13 @@ impl RunsArgs {
         };
         let sweep = Sweep::survey(plan, results.path(), false)?;
         sweep.check_device()?;
+        local::limits::make_room(self.jobs.for_runs(sweep.open().count()))?;
         sweep.try_out(false)?;
         let sweep = sweep.prepare(Preparation::default())?;
-        let parallel = self.jobs.for_runs(sweep.open().count());
-        let reporter = reporter::for_stderr(sweep.jobs(), parallel, self.detail.detail());
-        let conduct =
-            Conduct { parallel, retries: RETRIES, tensorboard: false, discard_replay: self.keep.is_none() };
+        let workers = self.jobs.for_runs(sweep.open().count());
+        let reporter = reporter::for_stderr(sweep.jobs(), workers, self.detail.detail());
+        let discard_replay = self.keep.is_none();
+        let conduct = Conduct { retries: RETRIES, discard_replay, ..Conduct::share(workers, 1) };
         let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;
         Ok(have_ended(&endings)?.then_some(results))
     }

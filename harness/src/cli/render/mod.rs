@@ -10,7 +10,7 @@ use envs::render::Renderer;
 use envs::rng::{Purpose, Rng, stream};
 use reports::wording::counted_u64;
 
-use super::flags::count_in;
+use super::flags::{name, whole};
 use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::error::HarnessError;
@@ -24,7 +24,7 @@ pub(super) struct Args {
     /// Folder of a run (RESULTS/runs/.../seed-N): its student acts, as of its last evaluation
     run: Option<PathBuf>,
     /// Environment in which random actions are taken
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = name)]
     env: Option<String>,
     /// Animated GIF to write; a file of this name is replaced
     #[arg(long, value_name = "FILE.gif", required_unless_present = "frames")]
@@ -33,13 +33,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Episodes to draw
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = count_in(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u64>(1..=1000))]
     episodes: u64,
     /// Seed of starts, goals and random actions
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>(..))]
     seed: u64,
     /// Width and height of the pictures, pixels
-    #[arg(long, value_name = "N", default_value_t = 360)]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = whole::<u32>(..))]
     size: u32,
 }
 

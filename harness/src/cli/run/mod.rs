@@ -5,19 +5,22 @@ mod summary;
 
 use std::path::{Path, PathBuf};
 
+use guard::text::short;
 use reports::wording::counted;
 
-use super::flags::{DetailFlags, JobsFlag, ProtocolFlags, SeedsFlag, count};
+use super::flags::{DetailFlags, JobsFlag, ProtocolFlags, SeedsFlag, name, whole};
 use super::{Exit, complain, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
+use crate::console::word;
 use crate::error::HarnessError;
 use crate::memory;
 use crate::outputs;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, copy};
+use crate::sweep::lanes::Decided;
 use crate::sweep::slurm::{self, Request};
-use crate::sweep::{Conduct, ExitCode, Job, Preparation, Prepared, Sweep, reporter};
+use crate::sweep::{Conduct, ExitCode, Job, Lanes, Preparation, Prepared, Sweep, local, reporter};
 use summary::summarise;
 
 #[derive(clap::Args)]
@@ -27,15 +30,15 @@ pub(super) struct Args {
     #[command(flatten)]
     protocol: ProtocolFlags,
     /// Environments or suites instead of the protocol's, separated by commas
-    #[arg(long = "env", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "env", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     environments: Vec<String>,
     /// Curricula instead of the protocol's, separated by commas
-    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',')]
+    #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
     #[command(flatten)]
     seeds: SeedsFlag,
     /// Training steps per run, as in 100000, 1e5 or 100k; short for --set budget.steps=N
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(..))]
     steps: Option<u64>,
     /// Where the student computes: cpu or cuda; short for --set student.device=NAME
     #[arg(long, value_name = "NAME")]
@@ -49,8 +52,12 @@ pub(super) struct Args {
     out: Option<PathBuf>,
     #[command(flatten)]
     jobs: JobsFlag,
+    /// Runs that one worker trains in lockstep, at most: a number, or `auto`, which is 1 on a CPU and as many
+    /// as fit the memory on a GPU. They are of one environment, and their students' gradient steps are alike
+    #[arg(long, value_name = "N|auto", default_value = "auto")]
+    lanes: Lanes,
     /// How often a run whose worker crashed is begun again from its checkpoint
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(..))]
     retries: u32,
     #[command(flatten)]
     detail: DetailFlags,
@@ -108,10 +115,10 @@ struct SlurmArgs {
     #[arg(long, value_name = "SIZE")]
     mem: Option<String>,
     /// Most tasks at once
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..))]
     at_once: Option<u32>,
-    /// Runs per array task, one after the other [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Runs per array task, or cohorts with --lanes, one after the other [default: 1]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..))]
     chunk: Option<u16>,
     /// A further option for sbatch, as in --sbatch=--account=me [repeatable]
     #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
@@ -164,12 +171,19 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let results = outputs::unlike_an_option(results);
     outputs::folder("--out", &results, &args.protocol.inputs())?;
     let sweep = Sweep::survey(&plan, &results, args.extend)?;
+    if args.executor == Executor::Local && !args.dry_run {
+        sweep.check_device().map_err(HarnessError::flag("--device"))?;
+    }
+    let lanes = args.lanes.decide(registry, sweep.open(), args.executor == Executor::Slurm)?;
+    if let Some(note) = &lanes.note {
+        complain(&format!("goalbench: {note}"));
+    }
     if args.dry_run {
-        return dry::dry_run(registry, &plan, &sweep, &results, args.jobs.for_runs(sweep.open().count()));
+        return dry::dry_run(&plan, &sweep, &results, conduct(args, &lanes, sweep.open().count()));
     }
     match args.executor {
         Executor::Local => {
-            sweep.check_device().map_err(HarnessError::flag("--device"))?;
+            local::limits::make_room(conduct(args, &lanes, sweep.open().count()).workers)?;
             for line in sweep.slow_precisions(registry)? {
                 complain(&format!("goalbench: {line}"));
             }
@@ -187,39 +201,49 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
     match args.executor {
         Executor::Local => {
-            warn_of_memory(registry, &sweep, args);
+            let conduct = conduct(args, &lanes, sweep.open().count());
+            warn_of_memory(registry, &sweep, conduct);
             copy::save(&protocol, &results)?;
-            carry_out(&sweep, args)
+            carry_out(&sweep, args, conduct)
         }
         Executor::Slurm => {
-            let submitted = submit(&sweep, &plan.name, args, further)?;
+            let submitted = submit(&sweep, &plan.name, args, &lanes, further)?;
             copy::save(&protocol, &results)?;
             Ok(submitted)
         }
     }
 }
 
+/// How `open` runs are carried out here.
+fn conduct(args: &Args, lanes: &Decided, open: usize) -> Conduct {
+    // No more threads than there are runs, whatever number was asked for.
+    let threads = args.jobs.for_runs(open);
+    let shared = Conduct::share(threads, lanes.lanes);
+    let Args { retries, tensorboard, discard_replay, .. } = *args;
+    let conduct = Conduct { retries, tensorboard, discard_replay, ..shared };
+    // There is one GPU, and its cohort takes all the threads there are.
+    if lanes.gpu { Conduct { workers: 1, threads, ..conduct } } else { conduct }
+}
+
 /// Says before it happens that runs may need more memory than there is.
-fn warn_of_memory(registry: &Registry, sweep: &Prepared, args: &Args) {
+fn warn_of_memory(registry: &Registry, sweep: &Prepared, conduct: Conduct) {
     let size =
         |job: &Job| Some(memory::of_run(&job.config, &registry.environment(&job.run().environment)?.spec));
     let sizes: Vec<u64> = sweep.open().filter_map(size).collect();
-    let parallel = args.jobs.for_runs(sizes.len());
+    let parallel = conduct.at_a_time(sizes.len());
     if let Some(text) = memory::available().and_then(|available| memory::warning(sizes, parallel, available))
     {
         complain(&format!("goalbench: {text}"));
     }
 }
 
-fn carry_out(sweep: &Prepared, args: &Args) -> Exit {
-    let parallel = args.jobs.for_runs(sweep.open().count());
+fn carry_out(sweep: &Prepared, args: &Args, conduct: Conduct) -> Exit {
+    let parallel = conduct.at_a_time(sweep.open().count());
     let reporter = if args.json {
         reporter::json(|line| print(&format!("{line}\n")))
     } else {
         reporter::for_stderr(sweep.jobs(), parallel, args.detail.detail())
     };
-    let Args { retries, tensorboard, discard_replay, .. } = *args;
-    let conduct = Conduct { parallel, retries, tensorboard, discard_replay };
     let endings = sweep.carry_out(conduct, reporter.as_ref(), || {
         complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
     })?;
@@ -237,7 +261,7 @@ fn words(options: &[String]) -> Result<Vec<String>, HarnessError> {
     Ok(options.iter().map(split).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit {
+fn submit(sweep: &Prepared, name: &str, args: &Args, lanes: &Decided, extra: Vec<String>) -> Exit {
     let request = Request {
         name: format!("goalbench-{name}"),
         partition: args.slurm.partition.clone(),
@@ -245,6 +269,8 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit
         memory: args.slurm.mem.clone(),
         at_once: args.slurm.at_once,
         chunk: args.slurm.chunk.map_or(1, usize::from),
+        lanes: lanes.lanes,
+        gpu: lanes.gpu,
         retries: args.retries,
         tensorboard: args.tensorboard,
         discard_replay: args.discard_replay,
@@ -258,7 +284,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit
         "submitted job {} with {}; next: goalbench status {}\n",
         submitted.job,
         counted(submitted.tasks, "task"),
-        sweep.results().display()
+        word(sweep.results())
     ));
     Ok(ExitCode::Success)
 }
@@ -266,7 +292,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, extra: Vec<String>) -> Exit
 /// `goalbench task`: what a task of the job array does.
 pub(super) fn task(list: &Path, index: usize) -> Exit {
     let (sweep, conduct) = Prepared::for_task(list, index)?;
-    let reporter = reporter::lines(sweep.jobs(), conduct.parallel);
+    let reporter = reporter::lines(sweep.jobs(), conduct.at_a_time(sweep.open().count()));
     let endings = sweep.carry_out(conduct, reporter.as_ref(), || {})?;
     Ok(summarise(&endings, sweep.results(), false))
 }
@@ -296,7 +322,7 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         protocol.set(ConfigLayer::from_option(option, &["budget", "steps"], value.into()));
     }
     if let Some(device) = &args.device {
-        let option = format!("--device {device}");
+        let option = format!("--device {}", short(device));
         protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {

@@ -6,6 +6,7 @@ use reports::schema::Outcome;
 use reports::wording::{counted, is_or_are};
 
 use crate::cli::{complain, print};
+use crate::console::word;
 use crate::sweep::{Ending, Endings, ExitCode};
 
 /// Says how the sweep came out and gives the exit code. With `json` a good end is left out: the events have
@@ -20,7 +21,7 @@ pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCo
             Ending::Ended(Outcome::Finished { .. }) | Ending::Stopped | Ending::Taken => {}
         }
     }
-    let (place, total) = (results.display(), endings.total());
+    let (place, total) = (word(results), endings.total());
     let of_runs = |count: usize, what: &str| {
         if count > 0 {
             complain(&format!("goalbench: {count} of {} {what}", counted(total, "run")));

@@ -18,7 +18,7 @@ pub struct ProtocolPreset {
 }
 
 /// All presets, smallest first.
-pub const PRESETS: [ProtocolPreset; 10] = [
+pub const PRESETS: [ProtocolPreset; 11] = [
     ProtocolPreset {
         id: "smoke",
         title: "Toy task and one maze for a few thousand steps: checks the machinery, shows no science",
@@ -68,6 +68,11 @@ pub const PRESETS: [ProtocolPreset; 10] = [
         id: "paper",
         title: "The paper's 11 environments, 5 curricula and 7 seeds at its budgets, and the control for the goal pool",
         text: include_str!("paper.toml"),
+    },
+    ProtocolPreset {
+        id: "methods",
+        title: "Every curriculum in the paper's 11 environments at its budgets, 7 seeds",
+        text: include_str!("methods.toml"),
     },
 ];
 

@@ -10,6 +10,7 @@ use super::{outcome, read_manifest};
 use crate::config::RunConfig;
 use crate::error::HarnessError;
 use crate::run::checkpoint::{self, CHECKPOINT, CheckpointError, REPLAY};
+use reports::wording::counted;
 
 /// A run whose files are sound.
 #[derive(Clone, Debug)]
@@ -50,8 +51,11 @@ pub fn check(folder: &Path) -> Result<Sound, HarnessError> {
         Some(checkpoint) if !is_finished => {
             checkpoint.progress.check(&run)?;
             let (state, steps) = (checkpoint.trainer.student(), checkpoint.trainer.training_steps());
-            agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
-                .map_err(HarnessError::unusable(&manifest.run, "go on from this run's checkpoint"))?;
+            // A run that only lacks its end needs no replay buffer any more, and may have lost it.
+            if checkpoint.trainer.step() < config.budget.steps {
+                agents::check_replay(&config.student, state, steps, &run.file(REPLAY))
+                    .map_err(HarnessError::unusable(folder.display(), "go on from this run's checkpoint"))?;
+            }
         }
         None if !is_finished => check_beginning(folder)?,
         _ => {}
@@ -71,7 +75,8 @@ pub fn check_beginning(folder: &Path) -> Result<(), HarnessError> {
     let recorded = recorded.iter().filter(|&&byte| byte == b'\n').count();
     if recorded > BEFORE_CHECKPOINT {
         let reason = format!(
-            "is missing, though {recorded} evaluations are recorded; delete this run's folder to train it anew"
+            "is missing, though records of {} exist; delete this run's folder to train it anew",
+            counted(recorded, "evaluation")
         );
         return Err(HarnessError::Damaged { path: folder.join(CHECKPOINT), reason });
     }

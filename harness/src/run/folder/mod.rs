@@ -9,7 +9,7 @@ use std::path::Path;
 use reports::schema::{Manifest, Outcome};
 use reports::store::layout::{self, Lives};
 pub use reports::store::read_json;
-use reports::store::{RunFolder, StoreError, checksums};
+use reports::store::{RunFolder, StoreError, check_ended};
 
 use super::lock::{Lock, is_locked};
 use super::manifest::{self, differences};
@@ -17,7 +17,7 @@ use crate::config::RunConfig;
 use crate::error::{HarnessError, ManifestError};
 use crate::files::write_json;
 pub use check::{Sound, check, check_beginning};
-pub use recorder::{Extent, Recorder};
+pub use recorder::{CommonExtent, Extent, Recorder};
 
 /// What a run's folder holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
     let run = RunFolder::new(folder);
     let path = run.file(layout::MANIFEST);
     let Some(found) = run.manifest()? else {
-        return match run.leftover() {
+        return match run.leftover()? {
             None => Ok(State::New),
             Some(left) => Err(HarnessError::Damaged {
                 path,
@@ -62,7 +62,7 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
     }
     let shorter = manifest::smaller_budget(&found, wanted);
     let is_other = found.config != wanted.config || manifest::other_program(&found, wanted).is_some();
-    if is_other && !has_begun(&run) && !is_locked(folder) {
+    if is_other && !has_begun(&run)? && !is_locked(folder)? {
         return Ok(State::New);
     }
     let other = |differences| HarnessError::OtherConfig { folder: folder.to_owned(), differences };
@@ -88,10 +88,10 @@ pub fn inspect(folder: &Path, wanted: &Manifest) -> Result<State, HarnessError> 
 /// `results`.
 ///
 /// # Errors
-/// [`HarnessError::Store`] if its files cannot be removed.
+/// [`HarnessError::Store`] or [`HarnessError::Io`] if its files cannot be looked at or removed.
 pub fn forget(folder: &Path, results: &Path) -> Result<(), HarnessError> {
     let run = RunFolder::new(folder);
-    if has_begun(&run) || is_locked(folder) {
+    if has_begun(&run)? || is_locked(folder)? {
         return Ok(());
     }
     // The manifest goes first: what is left without it is no run.
@@ -105,9 +105,11 @@ pub fn forget(folder: &Path, results: &Path) -> Result<(), HarnessError> {
 }
 
 /// Whether the run has recorded anything.
-pub fn has_begun(run: &RunFolder) -> bool {
-    let records = fs::metadata(run.file(layout::RECORDS)).map_or(0, |file| file.len());
-    records > 0 || run.has(layout::CHECKPOINT) || run.has(layout::OUTCOME)
+///
+/// # Errors
+/// [`StoreError`] if nobody can tell.
+pub fn has_begun(run: &RunFolder) -> Result<bool, StoreError> {
+    Ok(run.has_content(layout::RECORDS)? || run.has(layout::CHECKPOINT)? || run.has(layout::OUTCOME)?)
 }
 
 /// Refuses a run of another version of the program: going on would mix what two programs computed.
@@ -124,8 +126,8 @@ fn check_program(folder: &Path, found: &Manifest, wanted: &Manifest) -> Result<(
 pub fn outcome(folder: &Path, manifest: &Manifest) -> Result<Option<Outcome>, HarnessError> {
     let run = RunFolder::new(folder);
     let outcome = run.outcome()?;
-    if outcome.is_some() {
-        checksums::check_ended(&run, manifest).map_err(anew)?;
+    if let Some(outcome) = &outcome {
+        check_ended(&run, manifest, outcome).map_err(anew)?;
     }
     Ok(outcome)
 }

@@ -5,19 +5,27 @@ use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Learning, Outcome, Record, Teaching, Timing};
+use reports::schema::{Frontier, Learning, Outcome, Record, Teaching, Timing};
 use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
 
 use crate::error::HarnessError;
-use crate::files::write_json;
+use crate::files::{json, write_json};
 use crate::run::observer::Stage;
 use crate::tracking::{Evaluated, EventFile};
 
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extent {
+    every_run: CommonExtent,
+    /// Only some runs have this file.
+    frontier: Prefix,
+}
+
+/// The same of the files that every run has: what checkpoints kept before there were others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CommonExtent {
     records: Prefix,
     teaching: Prefix,
     student: Prefix,
@@ -41,6 +49,12 @@ struct Prefix {
     crc: u32,
 }
 
+impl From<CommonExtent> for Extent {
+    fn from(every_run: CommonExtent) -> Self {
+        Self { every_run, frontier: Prefix::default() }
+    }
+}
+
 impl Extent {
     /// Checks that the files of `run` still begin as they were, and changes nothing.
     ///
@@ -48,9 +62,11 @@ impl Extent {
     /// [`HarnessError::Damaged`] naming the file that does not; [`HarnessError::Io`].
     pub fn check(&self, run: &RunFolder) -> Result<(), HarnessError> {
         let parts = [
-            (layout::RECORDS, self.records),
-            (layout::TEACHING, self.teaching),
-            (layout::TIMING, self.timing),
+            (layout::RECORDS, self.every_run.records),
+            (layout::TEACHING, self.every_run.teaching),
+            (layout::STUDENT, self.every_run.student),
+            (layout::TIMING, self.every_run.timing),
+            (layout::FRONTIER, self.frontier),
         ];
         for (name, prefix) in parts {
             let path = run.file(name);
@@ -109,14 +125,16 @@ impl Log {
     }
 }
 
-/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl` and, at last,
-/// `checksums.json` and `outcome.json`.
+/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` where there
+/// is anything to write into it and, at last, `checksums.json` and `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,
     teaching: Log,
     student: Log,
     timing: Log,
+    /// Begun with its first line.
+    frontier: Option<Log>,
     events: Option<EventFile>,
     /// Seconds of earlier attempts, up to the checkpoint that this one goes on from.
     wall_before: f64,
@@ -131,16 +149,19 @@ impl Recorder {
     /// # Errors If the files cannot be written, or are not those that `extent` describes.
     pub fn open(folder: &Path, extent: &Extent, tensorboard: bool) -> std::io::Result<Self> {
         let run = RunFolder::new(folder);
-        let records = Log::open(run.file(layout::RECORDS), extent.records)?;
-        let teaching = Log::open(run.file(layout::TEACHING), extent.teaching)?;
-        let student = Log::open(run.file(layout::STUDENT), extent.student)?;
-        let timing = Log::open(run.file(layout::TIMING), extent.timing)?;
+        let Extent { every_run, frontier } = extent;
+        let records = Log::open(run.file(layout::RECORDS), every_run.records)?;
+        let teaching = Log::open(run.file(layout::TEACHING), every_run.teaching)?;
+        let student = Log::open(run.file(layout::STUDENT), every_run.student)?;
+        let timing = Log::open(run.file(layout::TIMING), every_run.timing)?;
+        let measured = frontier.bytes > 0 || run.has(layout::FRONTIER)?;
+        let frontier = measured.then(|| Log::open(run.file(layout::FRONTIER), *frontier)).transpose()?;
         // All are sound: only now is anything cut off.
-        for log in [&records, &teaching, &student, &timing] {
+        for log in [&records, &teaching, &student, &timing].into_iter().chain(&frontier) {
             log.file.set_len(log.bytes)?;
         }
         // Only now: it follows the logs, which have been cut back to the checkpoint.
-        let wanted = tensorboard || run.has(layout::EVENTS);
+        let wanted = tensorboard || run.has(layout::EVENTS)?;
         let events = wanted.then(|| EventFile::open(folder)).transpose()?;
         Ok(Self {
             folder: run,
@@ -148,10 +169,11 @@ impl Recorder {
             teaching,
             student,
             timing,
+            frontier,
             events,
-            wall_before: extent.wall_s,
+            wall_before: every_run.wall_s,
             begun: Instant::now(),
-            spent: extent.spent,
+            spent: every_run.spent,
         })
     }
 
@@ -161,19 +183,20 @@ impl Recorder {
     /// If the disk refuses.
     pub fn extent(&self) -> std::io::Result<Extent> {
         self.sync()?;
-        Ok(Extent {
+        let every_run = CommonExtent {
             records: self.records.prefix(),
             teaching: self.teaching.prefix(),
             student: self.student.prefix(),
             timing: self.timing.prefix(),
             wall_s: self.wall_s(),
             spent: self.spent,
-        })
+        };
+        Ok(Extent { every_run, frontier: self.frontier.as_ref().map(Log::prefix).unwrap_or_default() })
     }
 
     fn sync(&self) -> std::io::Result<()> {
-        let Self { records, teaching, student, timing, .. } = self;
-        [records, teaching, student, timing].into_iter().try_for_each(|log| {
+        let Self { records, teaching, student, timing, frontier, .. } = self;
+        [records, teaching, student, timing].into_iter().chain(frontier).try_for_each(|log| {
             let synced = log.file.sync_data();
             Ok(synced.map_err(StoreError::io(&log.path, "write this file through to the disk"))?)
         })
@@ -227,13 +250,29 @@ impl Recorder {
         }
     }
 
-    /// Ends the run with manifest hash `run`.
+    /// Appends a measure of the frontier.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
+        let log = match &mut self.frontier {
+            Some(log) => log,
+            none => none.insert(Log::open(self.folder.file(layout::FRONTIER), Prefix::default())?),
+        };
+        log.append(frontier)
+    }
+
+    /// Ends the run with manifest hash `run`. Its checksums come first, that of the outcome among them: once
+    /// there is an outcome, nothing about it can change unnoticed. A kill in between leaves a run that has
+    /// not ended, whose next worker writes both again.
     ///
     /// # Errors
     /// If the outcome cannot be written.
     pub fn end(self, run: &str, outcome: &Outcome) -> std::io::Result<()> {
         self.sync()?;
-        write_json(&self.folder.file(layout::CHECKSUMS), &Checksums::of(&self.folder, run)?)?;
-        write_json(&self.folder.file(layout::OUTCOME), outcome)
+        let outcome = json(outcome)?;
+        let sums = Checksums::of(&self.folder, run)?.with_outcome(&outcome);
+        write_json(&self.folder.file(layout::CHECKSUMS), &sums)?;
+        guard::fresh::write_through(&self.folder.file(layout::OUTCOME), &outcome)
     }
 }

@@ -18,12 +18,49 @@ pub(in crate::sweep) fn this_program() -> Result<&'static str, HarnessError> {
 /// How runs are carried out. None of it changes what they record.
 #[derive(Clone, Copy, Debug)]
 pub struct Conduct {
-    /// Runs side by side.
-    pub parallel: usize,
+    /// Workers side by side.
+    pub workers: usize,
+    /// Runs that a worker carries out in lockstep, at most.
+    pub lanes: usize,
+    /// Threads of a worker.
+    pub threads: usize,
     /// How often a run whose worker crashed is begun again from its checkpoint.
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
     pub tensorboard: bool,
     /// Whether each run's replay buffer is removed when it finishes; it cannot be trained on then.
     pub discard_replay: bool,
+}
+
+impl Conduct {
+    /// Workers of `lanes` runs that share `cores` threads, each with no more than it can use at once.
+    pub fn share(cores: usize, lanes: usize) -> Self {
+        let threads = lanes.clamp(1, cores.max(1));
+        let workers = (cores / threads).max(1);
+        Self { workers, lanes: lanes.max(1), threads, retries: 0, tensorboard: false, discard_replay: false }
+    }
+
+    /// Runs at a time, of `open` that are to be done.
+    pub fn at_a_time(&self, open: usize) -> usize {
+        self.workers.saturating_mul(self.lanes).min(open.max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Conduct;
+
+    #[test]
+    fn workers_share_the_cores() {
+        let shared = |cores, lanes| {
+            let Conduct { workers, lanes, threads, .. } = Conduct::share(cores, lanes);
+            [workers, lanes, threads]
+        };
+        assert_eq!(shared(16, 1), [16, 1, 1]);
+        assert_eq!(shared(16, 5), [3, 5, 5]);
+        assert_eq!(shared(16, 35), [1, 35, 16]);
+        assert_eq!(shared(1, 8), [1, 8, 1]);
+        assert_eq!(Conduct::share(4, 2).at_a_time(3), 3);
+        assert_eq!(Conduct::share(4, 2).at_a_time(9), 4);
+    }
 }

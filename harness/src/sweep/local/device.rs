@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use super::conduct::this_program;
 use crate::error::{HarnessError, chain};
-use crate::sweep::event::Event;
+use crate::sweep::event::{Event, Told};
 use crate::sweep::exit::ExitCode;
 use crate::sweep::job::Job;
 
@@ -30,7 +30,9 @@ pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Re
         return Ok(());
     }
     let refusal = output.stdout.split(|&byte| byte == b'\n').find_map(|line| {
-        let Ok(Event::Refused { reason }) = serde_json::from_slice(line) else { return None };
+        let Told { event: Event::Refused { reason }, .. } = serde_json::from_slice(line).ok()? else {
+            return None;
+        };
         Some(reason)
     });
     let ended = || format!("it was tried out and the program ended ({})", output.status);
@@ -43,6 +45,7 @@ pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Re
 /// [`HarnessError::System`] if nobody listens.
 pub fn try_cuda() -> Result<ExitCode, HarnessError> {
     let Err(error) = agents::Device::Cuda.open() else { return Ok(ExitCode::Success) };
-    Event::Refused { reason: chain(&error) }.send().map_err(HarnessError::system("tell the sweep"))?;
+    let told = Told::of_all(Event::Refused { reason: chain(&error) });
+    told.send().map_err(HarnessError::system("tell the sweep"))?;
     Ok(ExitCode::WrongInput)
 }

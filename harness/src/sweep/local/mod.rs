@@ -1,12 +1,14 @@
-//! Runs side by side on this machine, each in a worker process.
+//! Runs side by side on this machine, in worker processes.
 
 mod complaints;
 mod conduct;
 pub mod device;
+pub mod limits;
 mod supervise;
 
 use std::sync::Mutex;
 
+use super::cohort::cohorts;
 use super::job::{Ending, Job};
 use super::reporter::Reporter;
 use super::signals::Stopper;
@@ -30,18 +32,21 @@ pub(super) fn execute(
     for job in jobs.iter().filter(|job| job.state == State::New) {
         folder::create(&job.folder, &job.manifest)?;
     }
+    let cohorts = cohorts(jobs, conduct.lanes);
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(conduct.parallel)
+        .num_threads(conduct.workers.min(cohorts.len().max(1)))
         .build()
-        .map_err(HarnessError::system("start a thread per run"))?;
+        .map_err(HarnessError::system("start a thread per worker"))?;
     let supervisor = Supervisor { program, conduct, stopper, reporter };
     let endings: Vec<Mutex<Option<Ending>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     pool.in_place_scope_fifo(|scope| {
-        for (job, ending) in jobs.iter().zip(&endings) {
-            let supervisor = &supervisor;
+        for cohort in cohorts {
+            let (supervisor, endings) = (&supervisor, &endings);
             scope.spawn_fifo(move |_| {
-                let found = supervisor.see_through(job);
-                *ending.lock().expect("no holder of this lock panics") = Some(found);
+                let runs: Vec<&Job> = cohort.iter().map(|&index| &jobs[index]).collect();
+                for (&index, found) in cohort.iter().zip(supervisor.see_through(&runs)) {
+                    *endings[index].lock().expect("no holder of this lock panics") = Some(found);
+                }
             });
         }
     });

@@ -1,86 +1,105 @@
-//! The worker: one process, one run. `goalbench worker FOLDER` carries out the run whose manifest lies in
-//! FOLDER.
+//! The worker: one process, one cohort of runs. `goalbench worker FOLDER...` carries out the runs whose
+//! manifests lie in the folders, in lockstep; mostly that is one.
 //!
-//! It goes on from the folder's checkpoint if there is one. SIGTERM and SIGINT make it save a checkpoint at
-//! the end of the running cycle and stop; so does the death of its parent.
+//! Every run goes on from its folder's checkpoint if there is one. SIGTERM and SIGINT make all of them save a
+//! checkpoint at the end of the running cycle and stop; so does the death of the worker's parent. A run that
+//! cannot be carried out is left out, and one that ends early leaves: the others go on.
 
+mod lane;
 mod observers;
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use agents::AgentError;
 use curricula::CurriculumError;
-use reports::schema::{Manifest, Outcome, RunKey};
-use reports::store::RunFolder;
-use reports::store::layout::Lives;
 use rustix::process::{Signal, set_parent_process_death_signal};
 
-use super::event::Event;
+use super::event::{Event, Told};
 use super::exit::ExitCode;
 use crate::Registry;
-use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
-use crate::run::checkpoint::{self, CheckpointError, REPLAY};
+use crate::run::cohort;
 use crate::run::error::RunError;
-use crate::run::folder::{self, Extent};
-use crate::run::lock::Lock;
-use crate::run::observer::Observer;
-use crate::run::train::{End, Trainer};
-use observers::{EventObserver, RecordObserver};
+use crate::run::folder;
+use lane::{Opened, WorkerLane};
 
-/// How long to wait for another worker that is about to end: longer than a cycle and a checkpoint take.
+/// How long to wait for other workers that are about to end: longer than a cycle and a checkpoint take.
 const LOCK_PATIENCE: Duration = Duration::from_secs(20);
-/// Time between two looks at the lock.
-const LOCK_PAUSE: Duration = Duration::from_millis(50);
 
-/// What a worker keeps beside the records.
+/// How a worker carries out its runs. None of it changes what they record on a CPU.
 #[derive(Clone, Copy, Debug)]
 pub struct Keeping {
-    /// Whether it keeps a TensorBoard event file.
+    /// Whether it keeps TensorBoard event files.
     pub tensorboard: bool,
-    /// Whether it removes the replay buffer once the run has finished.
+    /// Whether it removes the replay buffer of a run once that has finished.
     pub discard_replay: bool,
+    /// Threads for all runs together.
+    pub threads: usize,
+    /// Lanes that a GPU's products are made for, however many runs there are.
+    pub width: usize,
 }
 
-/// Carries out the run of `folder` and records how it ended. A run that breaks down is no failure of the
-/// worker: that is its outcome.
-///
-/// The parent gets everything, errors included, as events. An error is returned as well, for standard error:
-/// with [`ExitCode::WrongInput`] or, if another attempt may succeed, [`ExitCode::Failed`].
-///
-/// # Errors
-/// The exit code and why.
-pub fn work(
-    registry: &Registry,
-    folder: &Path,
-    keeping: Keeping,
-) -> Result<ExitCode, (ExitCode, Box<HarnessError>)> {
-    tell_panics();
-    // If the parent is gone nobody hears it; the exit code stays the same.
-    let tell = |event: Event| drop(event.send());
-    match carry_out(registry, folder, keeping) {
-        Ok(code) => Ok(code),
-        Err(HarnessError::Locked { .. }) => {
-            tell(Event::Taken);
-            Ok(ExitCode::Taken)
-        }
-        Err(error) => {
-            let text = chain(&error);
-            // Whoever shows the reason names the run.
-            let run = folder::read_manifest(folder).map(|(manifest, _)| format!("{}: ", manifest.run));
-            let reason = run.ok().and_then(|run| text.strip_prefix(&run)).unwrap_or(&text).to_owned();
-            if error.is_transient() {
-                tell(Event::Broken { reason });
-                Err((ExitCode::Failed, error.into()))
-            } else {
-                tell(Event::Refused { reason });
-                Err((ExitCode::WrongInput, error.into()))
-            }
-        }
+/// What a worker came to.
+#[derive(Debug, Default)]
+pub struct Worked {
+    codes: Vec<ExitCode>,
+    /// What kept runs from being carried out, for standard error.
+    pub errors: Vec<HarnessError>,
+}
+
+impl Worked {
+    /// The worst of all runs': a failure that another attempt may mend, wrong input, a stop, a run that
+    /// another process has.
+    pub fn code(&self) -> ExitCode {
+        let worst = [ExitCode::Failed, ExitCode::WrongInput, ExitCode::Stopped, ExitCode::Taken];
+        worst.into_iter().find(|code| self.codes.contains(code)).unwrap_or(ExitCode::Success)
     }
+
+    /// Takes in what became of the run of lane `lane` and tells the parent of it, unless that has been done.
+    fn note(&mut self, lane: usize, folder: &std::path::Path, result: Result<ExitCode, HarnessError>) {
+        // If the parent is gone nobody hears it; the exit code stays the same.
+        let tell = |event: Event| drop(Told::of(lane, event).send());
+        let error = match result {
+            Ok(code) => return self.codes.push(code),
+            Err(HarnessError::Locked { .. }) => {
+                tell(Event::Taken);
+                return self.codes.push(ExitCode::Taken);
+            }
+            Err(error) => error,
+        };
+        let text = chain(&error);
+        // Whoever shows the reason names the run.
+        let run = folder::read_manifest(folder).map(|(manifest, _)| format!("{}: ", manifest.run));
+        let reason = run.ok().and_then(|run| text.strip_prefix(&run)).unwrap_or(&text).to_owned();
+        if error.is_transient() {
+            tell(Event::Broken { reason });
+            self.codes.push(ExitCode::Failed);
+        } else {
+            tell(Event::Refused { reason });
+            self.codes.push(ExitCode::WrongInput);
+        }
+        self.errors.push(error);
+    }
+}
+
+/// Carries out the runs of `folders` in lockstep and records how each ended. A run that breaks down is no
+/// failure of the worker: that is its outcome.
+///
+/// The parent gets everything, errors included, as events.
+pub fn work(registry: &Registry, folders: &[PathBuf], keeping: Keeping) -> Worked {
+    tell_panics();
+    let mut worked = Worked::default();
+    if let Err(error) = carry_out(registry, folders, keeping, &mut worked) {
+        // It concerns the whole worker, so every run is told the same.
+        let reason = chain(&error);
+        drop(Told::of_all(Event::Broken { reason }).send());
+        worked.codes.push(ExitCode::Failed);
+        worked.errors.push(error);
+    }
+    worked
 }
 
 /// Makes a panic, whatever thread it is on, an event as well as a text on standard error.
@@ -89,95 +108,43 @@ fn tell_panics() {
     std::panic::set_hook(Box::new(move |panic| {
         print(panic);
         let message = panic.payload_as_str().and_then(|text| text.lines().next());
-        drop(Event::Broken { reason: message.unwrap_or("it panicked").to_owned() }.send());
+        let reason = message.unwrap_or("it panicked").to_owned();
+        drop(Told::of_all(Event::Broken { reason }).send());
     }));
 }
 
-fn carry_out(registry: &Registry, folder: &Path, keeping: Keeping) -> Result<ExitCode, HarnessError> {
-    let (manifest, config) = folder::read_manifest(folder)?;
-    registry.check(&manifest.run)?;
-
-    // Whoever started this worker is waiting for it. If they die, save a checkpoint and stop, like on
-    // SIGTERM.
+fn carry_out(
+    registry: &Registry,
+    folders: &[PathBuf],
+    keeping: Keeping,
+    worked: &mut Worked,
+) -> Result<(), HarnessError> {
+    // Whoever started this worker is waiting for it. If they die, save checkpoints and stop, like on SIGTERM.
     set_parent_process_death_signal(Some(Signal::TERM))
         .map_err(HarnessError::system("listen for the parent's death"))?;
-    let _lock = take_lock(folder)?;
-    guard::fresh::sweep(folder);
-    let outcome = match folder::outcome(folder, &manifest)? {
-        // Another worker ended this run since it was planned, or was killed before it could say so.
-        Some(outcome) => outcome,
-        None => match train(registry, folder, &manifest, config, keeping.tensorboard)? {
-            Some(outcome) => outcome,
-            None => return Ok(ExitCode::Stopped),
-        },
-    };
-    let unwritable = HarnessError::io(folder, "record in this folder");
-    // A failed run keeps its replay buffer: it may be asked to try again.
-    if keeping.discard_replay && matches!(outcome, Outcome::Finished { .. }) {
-        RunFolder::new(folder).remove(Lives::UntilDiscarded)?;
-    }
-    Event::Ended { outcome }.send().map_err(unwritable)?;
-    Ok(ExitCode::Success)
-}
-
-/// Trains to the end and records the outcome; `None` if a signal stopped the run, which can go on later.
-fn train(
-    registry: &Registry,
-    folder: &Path,
-    manifest: &Manifest,
-    config: RunConfig,
-    tensorboard: bool,
-) -> Result<Option<Outcome>, HarnessError> {
-    let unwritable = || HarnessError::io(folder, "record in this folder");
     agents::prepare_thread();
-    let (mut trainer, progress) = begin(registry, folder, manifest, config)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(keeping.threads)
+        .start_handler(|_| agents::prepare_thread())
+        .build()
+        .map_err(HarnessError::system("start the threads of a worker"))?;
     let stop = stop_flag().map_err(HarnessError::system("listen for signals"))?;
-    let mut recording =
-        RecordObserver::open(folder, &manifest.hash, &progress, tensorboard, Arc::clone(&stop))
-            .map_err(unwritable())?;
-    let mut telling = EventObserver::new(stop);
-    telling.tell(&Event::Step { step: trainer.step() }).map_err(unwritable())?;
-    // Recording comes first: the parent is told only of what is recorded.
-    let mut observers: Vec<&mut dyn Observer> = vec![&mut recording, &mut telling];
-    let outcome = match trainer.run(&mut observers) {
-        Ok(End::Finished) => Outcome::Finished { step: trainer.step() },
-        Ok(End::Stopped) => {
-            telling.tell(&Event::Stopped { step: trainer.step() }).map_err(unwritable())?;
-            return Ok(None);
+    let patience = Instant::now() + LOCK_PATIENCE;
+    let mut lanes = Vec::new();
+    for (index, folder) in folders.iter().enumerate() {
+        match WorkerLane::open(registry, index, folder, keeping, &stop, patience) {
+            Ok(Opened::Ended) => worked.note(index, folder, Ok(ExitCode::Success)),
+            Ok(Opened::Open(lane)) => lanes.push(*lane),
+            Err(error) => worked.note(index, folder, Err(error)),
         }
-        Err(RunError::Unrecorded(source)) => return Err(unwritable()(source)),
-        Err(error) if is_libtorch(&error) || matches!(error, RunError::Unsaved(_)) => {
-            return Err(machine(&manifest.run, error));
-        }
-        Err(error) => Outcome::Failed { step: trainer.step(), reason: chain(&error) },
-    };
-    recording.end(&outcome).map_err(unwritable())?;
-    Ok(Some(outcome))
-}
-
-/// The run as of its checkpoint, or from its beginning if it has none, and how far its records had come.
-fn begin(
-    registry: &Registry,
-    folder: &Path,
-    manifest: &Manifest,
-    config: RunConfig,
-) -> Result<(Trainer, Extent), HarnessError> {
-    let run = &manifest.run;
-    let cannot_begin = |error: RunError| match error {
-        error if is_libtorch(&error) => machine(run, error),
-        error => HarnessError::impossible(run, "begin")(error),
-    };
-    let found = checkpoint::read(folder, manifest).map_err(|error| match error {
-        error @ CheckpointError::Io { .. } => error.into(),
-        damaged => HarnessError::impossible(run, "go on")(damaged),
-    })?;
-    let mut trainer = Trainer::new(registry, run.clone(), config).map_err(cannot_begin)?;
-    let Some(checkpoint) = found else {
-        folder::check_beginning(folder)?;
-        return Ok((trainer, Extent::default()));
-    };
-    trainer.resume(&checkpoint.trainer, &folder.join(REPLAY)).map_err(cannot_begin)?;
-    Ok((trainer, checkpoint.progress))
+    }
+    pool.install(|| {
+        cohort::train(lanes, keeping.width, |lane, result| {
+            let (index, folder) = lane.place();
+            worked.note(index, &folder, lane.close(result));
+        });
+    });
+    Ok(())
 }
 
 /// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to
@@ -188,23 +155,6 @@ pub(super) fn is_libtorch(error: &RunError) -> bool {
         RunError::Student(AgentError::Torch(_))
             | RunError::Teacher(CurriculumError::Student(AgentError::Torch(_)))
     )
-}
-
-fn machine(run: &RunKey, error: RunError) -> HarnessError {
-    HarnessError::Machine { run: run.clone(), source: error.into() }
-}
-
-/// Takes the run's folder. A worker whose sweep was killed still saves its checkpoint: wait for it a little.
-fn take_lock(folder: &Path) -> Result<Lock, HarnessError> {
-    let begun = Instant::now();
-    loop {
-        match Lock::take(folder) {
-            Err(HarnessError::Locked { .. }) if begun.elapsed() < LOCK_PATIENCE => {
-                std::thread::sleep(LOCK_PAUSE)
-            }
-            result => return result,
-        }
-    }
 }
 
 /// A flag that SIGTERM and SIGINT set.

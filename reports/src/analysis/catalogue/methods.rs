@@ -31,6 +31,11 @@ impl MethodInfo {
         Self { id: id.to_owned(), title, look: None, origin: Some(origin.to_owned()), rank: self.rank }
     }
 
+    /// The same under the name that a user gave it.
+    pub(super) fn titled(&self, title: &str) -> Self {
+        Self { title: title.to_owned(), ..self.clone() }
+    }
+
     pub(super) fn ranked(self, rank: usize) -> Self {
         Self { rank, ..self }
     }

@@ -9,6 +9,10 @@ mod paper;
 
 use std::sync::Arc;
 
+use serde_json::Value;
+
+use crate::schema::Manifest;
+
 pub use environment::{EnvironmentInfo, MazeInfo};
 pub use methods::{MethodInfo, natural_order};
 pub use paper::{
@@ -50,6 +54,17 @@ impl Catalogue {
     pub fn method(&self, id: &str) -> Arc<MethodInfo> {
         let known = self.methods.iter().find(|method| method.id == id);
         known.map_or_else(|| Arc::new(MethodInfo::new(id, id, None)), Arc::clone)
+    }
+
+    /// The method of a run: as [`Catalogue::method`] has it, unless the run's config gives its curriculum a
+    /// `title`. Two variants with titles of their own are two methods.
+    pub fn method_of(&self, manifest: &Manifest) -> Arc<MethodInfo> {
+        let method = self.method(&manifest.run.curriculum);
+        let own = manifest.config.get("curriculum").and_then(|tables| tables.get(&method.id));
+        match own.and_then(|table| table.get("title")).and_then(Value::as_str) {
+            Some(title) if !title.is_empty() => Arc::new(method.titled(title)),
+            _ => method,
+        }
     }
 
     /// Name of a curriculum in figures and tables.

@@ -4,6 +4,7 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::{Check, change, score};
 use crate::gate::compare::Test;
+use crate::wording::counted;
 
 /// The XML that CI systems take for test results.
 pub fn junit(check: &Check<'_>) -> String {
@@ -17,7 +18,7 @@ pub fn junit(check: &Check<'_>) -> String {
         suite.add_test_case(case(&failure.run, "run", Some(failure.reason.clone())));
     }
     if check.exact {
-        let differ = || format!("{} of {} runs are identical", result.identical, result.shared);
+        let differ = || format!("{} of {} are identical", result.identical, counted(result.shared, "run"));
         let message = (!result.is_identical()).then(differ);
         suite.add_test_case(case("all runs", "identical to the baseline", message));
     }

@@ -3,6 +3,7 @@
 use super::{Check, change, interval, score};
 use crate::gate::compare::Test;
 use crate::render::table::{Align, Table};
+use crate::wording::counted;
 
 /// Markdown: the outcome, what fell, and all tests to unfold.
 pub fn markdown(check: &Check<'_>) -> String {
@@ -19,7 +20,7 @@ pub fn markdown(check: &Check<'_>) -> String {
         text += &format!("\n{}\n", table("What fell:", &failed));
     }
     let all: Vec<&Test> = result.tests.iter().collect();
-    text += &format!("\n<details><summary>All {} tests</summary>\n\n", all.len());
+    text += &format!("\n<details><summary>{} in all</summary>\n\n", counted(all.len(), "test"));
     text += &table(&check.method(), &all);
     text + "\n</details>\n"
 }

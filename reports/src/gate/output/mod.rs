@@ -79,7 +79,11 @@ impl Check<'_> {
                 is_or_are(runs)
             );
         }
-        let curves = format!("{} of {} runs that the baseline has too are identical", c.identical, c.shared);
+        let curves = format!(
+            "{} of {} that the baseline has too are identical",
+            c.identical,
+            counted(c.shared, "run")
+        );
         if failed > 0 {
             return format!("FAILED: {failed} of {} failed; {curves}", tests());
         }
@@ -94,15 +98,15 @@ impl Check<'_> {
         let CheckResult { settings: s, seeds_before, seeds_now, tests, .. } = self.result;
         format!(
             "Seeds: {} now, {} in the baseline. A group of runs fell where its mean over seeds is lower by {} or more and \
-             p <= {}: exact one-sided permutation test over seeds, Holm's correction for all {} tests. Final success: mean \
-             of the last {} evaluations. Effective goals, exp(entropy) of the teacher's choice, and what it picked: \
+             p <= {}: exact one-sided permutation test over seeds, Holm's correction for {}. Final success: mean \
+             of the last {}. Effective goals, exp(entropy) of the teacher's choice, and what it picked: \
              two-sided, a change of {} % or more.",
             seeds_now.len(),
             seeds_before.len(),
             s.smallest_effect,
             s.alpha,
-            tests.len(),
-            s.window,
+            counted(tests.len(), "test"),
+            counted(s.window, "evaluation"),
             s.smallest_effect * 100.0
         )
     }

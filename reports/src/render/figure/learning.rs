@@ -141,6 +141,7 @@ fn axis(progress: Progress, last: f64, most_ticks: u64, unit: TimeUnit) -> XAxis
     let steps = |name| XAxis { name, end, ticks: ticks::steps(end as u64, most_ticks), label: ticks::label };
     match progress {
         Progress::EnvironmentSteps => steps("Environment steps"),
+        Progress::AllSteps => steps("All steps taken"),
         Progress::GradientSteps => steps("Gradient steps"),
         Progress::Hours => {
             // Round in the unit that is shown.

@@ -5,6 +5,7 @@ use serde_json::Value;
 use crate::analysis::catalogue::natural_order;
 use crate::render::table::{Align, Table};
 use crate::store::Run;
+use crate::wording::counted;
 
 /// Every setting of the runs' complete configs with the values it has, and in how many runs where there are
 /// several.
@@ -48,7 +49,11 @@ impl Counts {
         let row = |(name, mut values): (String, Vec<(String, usize)>)| {
             values.sort_by(|(a, _), (b, _)| natural_order(a, b));
             let text = |(value, count): &(String, usize)| {
-                if *count == runs { value.clone() } else { format!("{value} ({count} of {runs} runs)") }
+                if *count == runs {
+                    value.clone()
+                } else {
+                    format!("{value} ({count} of {})", counted(runs, "run"))
+                }
             };
             vec![name, values.iter().map(text).collect::<Vec<_>>().join(", ")]
         };

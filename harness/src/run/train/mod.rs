@@ -1,19 +1,24 @@
-//! The training loop, turn by turn: a cycle of episodes towards the teacher's goals and the learning from
-//! them, or some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
+//! What a run does in a turn: a cycle of episodes towards the teacher's goals and the learning from them, or
+//! some of the probe rollouts that the teacher asked for. Evaluations lie between turns.
+//! [`cohort`] goes through the cycles.
 
+mod measure;
+
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use agents::{Agent, AgentError, DryStep, Episode, Mode};
-use curricula::{Curriculum, Lesson, ProposedGoal, Setting, TeacherSummary};
+use agents::{Agent, AgentError, Cohort, CohortLane, Episode, Mode};
+use curricula::{Curriculum, Lesson, ProposedGoal, Setting};
 use envs::rng::Purpose;
 use envs::{GoalEnv, Goals, Rows, draw_pool};
-use reports::schema::{Learning, Record, RunKey, Teaching};
-use serde_json::{Map, Value};
+use reports::schema::{RunKey, Teaching};
 
+use super::cohort;
 use super::error::RunError;
-use super::evaluate::{LOCKSTEP, evaluate};
+use super::evaluate::LOCKSTEP;
+use super::frontier::FrontierTruth;
 use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
 use super::probing::{Played, Probing};
@@ -31,6 +36,13 @@ pub enum End {
     Stopped,
 }
 
+/// How far a run was before a cycle.
+pub(super) struct Before {
+    step: u64,
+    gradient_steps: u64,
+    sampling: Option<Duration>,
+}
+
 /// A run in progress.
 pub struct Trainer {
     key: RunKey,
@@ -44,8 +56,12 @@ pub struct Trainer {
     pool: Arc<Goals>,
     /// The goals of evaluations, where they come from a pool.
     evaluation_pool: Option<Arc<Goals>>,
+    /// Measures every goal of the pool, where that is asked for.
+    frontier: Option<FrontierTruth>,
     streams: Streams,
     probing: Probing,
+    /// Whether the probe rollouts that the teacher asks for are played.
+    plays_rollouts: bool,
     /// Steps of the budget that were taken.
     step: u64,
     evaluations: u64,
@@ -75,8 +91,9 @@ impl Trainer {
         let method = registry.curriculum(&key.curriculum).expect(known);
         let seeds = config.seed;
         let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
-        // All methods of a seed draw the same pool, whether they choose from it or are evaluated on it.
-        let drawn = if method.uses_pool || in_evaluations {
+        // All methods of a seed draw the same pool, whether they choose from it or are evaluated or measured on
+        // it.
+        let drawn = if method.uses_pool || in_evaluations || config.frontier.is_on() {
             let mut rng = seeds.stream(key.seed, Purpose::Pool);
             Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)
         } else {
@@ -89,6 +106,9 @@ impl Trainer {
             seed: seeds.of(key.seed, Purpose::Teacher),
             student: config.student.clone(),
         };
+        let measured = config.frontier.is_on().then(|| Arc::clone(&drawn));
+        let measured =
+            measured.map(|goals| FrontierTruth::new(goals, config.frontier, || entry.make(&options)));
         let own =
             config.curriculum.get(method.id).and_then(toml::Value::as_table).cloned().unwrap_or_default();
         Ok(Self {
@@ -96,10 +116,12 @@ impl Trainer {
             curriculum: method.build(own, &setting)?,
             streams: Streams::new(&seeds, key.seed),
             probing: Probing::new(entry.make(&options)?, key.seed, seeds),
+            plays_rollouts: true,
             env,
             evaluation_envs,
             pool,
             evaluation_pool: in_evaluations.then_some(drawn),
+            frontier: measured.transpose()?,
             key,
             config,
             step: 0,
@@ -112,6 +134,12 @@ impl Trainer {
     /// Steps of the budget that were taken so far.
     pub fn step(&self) -> u64 {
         self.step
+    }
+
+    /// The same run without the probe rollouts that its teacher asks for: what a cycle of training takes.
+    #[must_use]
+    pub fn without_rollouts(self) -> Self {
+        Self { plays_rollouts: false, ..self }
     }
 
     /// Takes up the state of an earlier process. Going on from there gives the same bytes as never having
@@ -150,32 +178,35 @@ impl Trainer {
     }
 
     /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained
-    /// student is evaluated first, the final one last.
+    /// student is evaluated first, the final one last. See [`cohort::train`] for several runs at once.
     ///
     /// # Errors
     /// [`RunError`] with what broke down.
-    pub fn run(&mut self, observer: &mut dyn Observer) -> Result<End, RunError> {
+    pub fn run(&mut self, observer: &mut (dyn Observer + Send)) -> Result<End, RunError> {
+        let mut end = None;
+        cohort::train(vec![cohort::Borrowed(self, observer)], 1, |_, result| end = Some(result));
+        end.expect("every lane comes to an end")
+    }
+
+    /// What its student learns in beside `width` - 1 others.
+    pub(super) fn cohort(&self, width: usize) -> Box<dyn Cohort> {
+        agents::make_cohort(&self.config.student, width).expect("its student was made")
+    }
+
+    /// Evaluates the untrained student of a run that has not begun. Breaks off where nothing is left to do.
+    pub(super) fn begin(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<End>, RunError> {
         if self.evaluations == 0 {
             self.evaluate(observer)?;
         }
-        while self.step < self.config.budget.steps {
-            let reached = self.step / self.config.evaluation.every;
-            if self.probing.is_pending() {
-                self.probe(observer)?;
-            } else {
-                self.cycle(observer)?;
-            }
-            let due =
-                self.step / self.config.evaluation.every > reached || self.step >= self.config.budget.steps;
-            if due {
-                self.evaluate(observer)?;
-            }
-            observer.cycle(self.step)?;
-            if self.save_if_wished(observer, due)? == Wish::SaveAndStop {
-                return Ok(End::Stopped);
-            }
+        Ok(self.or_finished())
+    }
+
+    fn or_finished(&self) -> ControlFlow<End> {
+        if self.step < self.config.budget.steps {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(End::Finished)
         }
-        Ok(End::Finished)
     }
 
     /// Lets the observer's checkpointer, if there is one, decide after a turn, and gives it what it wishes
@@ -192,8 +223,21 @@ impl Trainer {
         Ok(wish)
     }
 
-    /// A cycle: some episodes, then student and teacher learn.
-    fn cycle(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// The probe rollouts that are pending, in turns of their own, and then the episodes of a cycle. Gives
+    /// what [`Trainer::finish`] must know of the time before these.
+    pub(super) fn play(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<End, Before>, RunError> {
+        while self.probing.is_pending() {
+            let before = self.step;
+            self.probe(observer)?;
+            if let ControlFlow::Break(end) = self.end_turn(before, observer)? {
+                return Ok(ControlFlow::Break(end));
+            }
+        }
+        let before = Before {
+            step: self.step,
+            gradient_steps: self.agent.gradient_steps(),
+            sampling: self.agent.sampling_time(),
+        };
         for _ in 0..self.agent.episodes_per_cycle() {
             let episode = self.episode(observer)?;
             let mut laps = Laps::begin();
@@ -204,23 +248,7 @@ impl Trainer {
             self.teaching.goals.push(episode.goal.iter().map(|&x| x as f32).collect());
             self.teaching.successes.push(episode.success);
         }
-        let before = (self.agent.gradient_steps(), self.agent.sampling_time());
-        let mut laps = Laps::begin();
-        self.agent.learn(self.env.as_ref(), &mut self.streams.replay)?;
-        observer.spent(Stage::Learning, laps.lap());
-        // In a warm-up nobody learns.
-        if self.agent.gradient_steps() > before.0 {
-            self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
-        }
-        let request = self.curriculum.request_rollouts(self.env.as_mut(), &mut self.streams.teacher)?;
-        if let Some(request) = request {
-            self.probing.ask(request);
-        }
-        observer.spent(Stage::Teaching, laps.lap());
-        if let (Some(before), Some(after)) = (before.1, self.agent.sampling_time()) {
-            observer.spent(Stage::Sampling, after - before);
-        }
-        Ok(())
+        Ok(ControlFlow::Continue(before))
     }
 
     /// As many of the probe rollouts that are pending as a cycle has episodes, so that evaluations lie on the
@@ -235,6 +263,50 @@ impl Trainer {
         }
         observer.spent(Stage::Probing, laps.lap());
         Ok(())
+    }
+
+    /// What lets its student learn after the episodes of a cycle.
+    pub(super) fn learning(&mut self) -> CohortLane<'_> {
+        CohortLane { student: self.agent.as_mut(), reward: self.env.as_ref(), rng: &mut self.streams.replay }
+    }
+
+    /// What follows when its student has learned: its teacher learns, and whatever is due then. `time` is the
+    /// student's share of the learning.
+    pub(super) fn finish(
+        &mut self,
+        before: &Before,
+        time: Duration,
+        observer: &mut dyn Observer,
+    ) -> Result<ControlFlow<End>, RunError> {
+        observer.spent(Stage::Learning, time);
+        let mut laps = Laps::begin();
+        // In a warm-up nobody learns.
+        if self.agent.gradient_steps() > before.gradient_steps {
+            self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
+        }
+        let request = self.curriculum.request_rollouts(self.env.as_mut(), &mut self.streams.teacher)?;
+        if let Some(request) = request.filter(|_| self.plays_rollouts) {
+            self.probing.ask(request);
+        }
+        observer.spent(Stage::Teaching, laps.lap());
+        if let (Some(before), Some(after)) = (before.sampling, self.agent.sampling_time()) {
+            observer.spent(Stage::Sampling, after - before);
+        }
+        self.end_turn(before.step, observer)
+    }
+
+    /// What is due after a turn that began at the step `before`.
+    fn end_turn(&mut self, before: u64, observer: &mut dyn Observer) -> Result<ControlFlow<End>, RunError> {
+        let every = self.config.evaluation.every;
+        let due = self.step / every > before / every || self.or_finished().is_break();
+        if due {
+            self.evaluate(observer)?;
+        }
+        observer.cycle(self.step)?;
+        if self.save_if_wished(observer, due)? == Wish::SaveAndStop {
+            return Ok(ControlFlow::Break(End::Stopped));
+        }
+        Ok(self.or_finished())
     }
 
     /// One training episode towards the goal that the teacher chooses.
@@ -268,6 +340,7 @@ impl Trainer {
         states.push(&start.state);
         achieved.push(&start.achieved);
         let (mut acting, mut stepping) = (Duration::ZERO, Duration::ZERO);
+        let mut total_reward = 0.0;
         for _ in 0..horizon {
             let mode = Mode::Explore(&mut self.streams.exploration);
             let mut laps = Laps::begin();
@@ -278,70 +351,12 @@ impl Trainer {
             states.push(&env.observation().state);
             achieved.push(&env.observation().achieved);
             actions.push(&action);
+            total_reward += env.reward(&env.observation().achieved, env.goal());
         }
         observer.spent(Stage::Acting, acting);
         observer.spent(Stage::Stepping, stepping);
         self.step += horizon as u64;
         let success = env.success(&env.observation().achieved, env.goal());
-        Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), success })
-    }
-
-    fn evaluate(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let mut laps = Laps::begin();
-        let episodes = self.config.evaluation.episodes;
-        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Evaluation(self.evaluations));
-        let pool = self.evaluation_pool.as_deref();
-        let score = evaluate(&mut self.evaluation_envs, self.agent.as_mut(), pool, episodes, &mut rng)?;
-        let learning = self.diagnose()?;
-        observer.spent(Stage::Evaluating, laps.lap());
-        let ranks = std::mem::take(&mut self.ranks);
-        let TeacherSummary { weights, statistics } = self.curriculum.summary();
-        let statistics = statistics.into_iter().chain(picks::statistics(&self.teaching, ranks));
-        let record = Record {
-            environment: self.key.environment.clone(),
-            curriculum: self.key.curriculum.clone(),
-            variant: self.key.variant.clone(),
-            seed: self.key.seed,
-            step: self.step,
-            eval_index: self.evaluations,
-            episodes,
-            success_rate: score.success_rate,
-            any_success_rate: Some(score.any_success_rate),
-            mean_return: score.mean_return,
-            gradient_steps: self.agent.gradient_steps(),
-            probe_steps: self.probing.state().steps,
-            uncharged_steps: self.probing.state().uncharged,
-            // JSON has no form for numbers that are not finite. They become null, which means "not defined
-            // yet".
-            teacher: statistics
-                .map(|(name, value)| (name.to_owned(), Value::from(value)))
-                .collect::<Map<_, _>>(),
-        };
-        let weights = weights.map(|weights| weights.iter().map(|&w| w as f32).collect());
-        let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
-        let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
-        observer.record(&record, &teaching, &learning)?;
-        self.evaluations += 1;
-        Ok(())
-    }
-
-    /// How the student's learning stands. Its batch comes from a stream of this evaluation's own, so that
-    /// nothing else depends on whether it is drawn.
-    fn diagnose(&mut self) -> Result<Learning, RunError> {
-        let mut rng = self.config.seed.stream(self.key.seed, Purpose::Diagnosis(self.evaluations));
-        let found = self.agent.diagnose(self.env.as_ref(), &mut rng)?;
-        // JSON has no form for numbers that are not finite.
-        let number = |of: fn(&DryStep) -> f64| found.dry_step.as_ref().map(of).filter(|x| x.is_finite());
-        Ok(Learning {
-            eval_index: self.evaluations,
-            step: self.step,
-            critic_loss: number(|found| found.critic_loss),
-            actor_loss: number(|found| found.actor_loss),
-            mean_q: number(|found| found.mean_q),
-            critic_gradient_norm: number(|found| found.critic_gradient_norm),
-            actor_gradient_norm: number(|found| found.actor_gradient_norm),
-            replay_episodes: found.replay_episodes,
-            replay_transitions: found.replay_transitions,
-        })
+        Ok(Episode { states, achieved, actions, goal: env.goal().to_vec(), total_reward, success })
     }
 }

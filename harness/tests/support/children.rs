@@ -1,0 +1,42 @@
+//! The program as a process that tests signal and kill, and what it must leave all the same.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use reports::store::{Results, layout};
+use rustix::process::{Pid, Signal, kill_process};
+
+/// What every run recorded, the clock apart, by path.
+pub(crate) fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let runs = Results::new(folder).survey().expect("a results folder").runs;
+    let files = runs.iter().flat_map(|run| {
+        [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME].map(|name| run.file(name))
+    });
+    files
+        .map(|path| {
+            let bytes = std::fs::read(&path).expect("every run has ended");
+            (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
+        })
+        .collect()
+}
+
+/// Starts goalbench with `args`, and does not wait.
+pub(crate) fn start(args: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
+    command.args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+}
+
+/// Sends a signal to the process with this id.
+pub(crate) fn signal(process: u32, signal: Signal) {
+    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process id");
+    // It may have ended by itself.
+    let _ = kill_process(pid, signal);
+}
+
+/// Worker processes of `parent`, read from the process table.
+pub(crate) fn workers(parent: u32) -> Vec<u32> {
+    let text =
+        Command::new("ps").args(["-o", "pid=", "--ppid", &parent.to_string()]).output().expect("ps runs");
+    String::from_utf8_lossy(&text.stdout).split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
+}

@@ -1,0 +1,135 @@
+//! What students could really do at every goal of their pools: whether teachers see the frontier, and maps of it.
+
+use super::files::file_name;
+use super::{Artefact, Drawing, Repeated, Section, columns};
+use crate::analysis::frontier::coverage::SOLVED;
+use crate::analysis::frontier::map;
+use crate::analysis::frontier::sight::{INTERMEDIATE, MeasureSight, SightSummary};
+use crate::analysis::whole::Analysis;
+use crate::error::ReportError;
+use crate::render::figure;
+use crate::render::table::cells::{UNDEFINED, decimal, with_spread};
+use crate::render::table::{Column, Sheet};
+use crate::schema::{Frontier, RunKey};
+use crate::stats;
+
+pub(super) const SECTION: Section = Section::Named { id: "frontier", title: "The frontier" };
+
+pub(super) const ROW: Artefact =
+    Artefact::table("frontier", SECTION, "environment, curriculum and variant", sheet)
+        .repeated(Repeated::Open);
+
+pub(super) const MEASURES: Artefact =
+    Artefact::table("measures", Section::Nowhere, "measure of the frontier", measures).with_parquet();
+
+pub(super) const MAPS: Artefact = Artefact::figures("frontier", Section::Environments, draw);
+
+fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
+    let groups = analysis.groups.all.iter();
+    let rows: Vec<SightSummary> =
+        groups.filter_map(|group| SightSummary::of(group, &analysis.frontier)).collect();
+    let columns = [
+        columns::environment(|row: &SightSummary| &row.key),
+        columns::curriculum(|row| &row.key),
+        columns::variant(|row| &row.key),
+        Column::count(
+            "n_measured",
+            "seeds with a measure of the frontier after training had begun",
+            |row: &SightSummary| row.n_seeds as u64,
+        )
+        .shown("Seeds", |row| row.n_seeds.to_string()),
+        Column::real(
+            "intermediate",
+            "share of the goals of the pool with intermediate success, mean over measures, then over seeds",
+            |row: &SightSummary| row.intermediate,
+        )
+        .shown("Goals of intermediate success", |row| decimal(row.intermediate)),
+        Column::count("n_auc", "seeds with an AUC", |row: &SightSummary| row.n_auc as u64),
+        Column::real(
+            "auc",
+            "area under the ROC curve of the teacher's weights for the goals of intermediate success, mean over measures, \
+             then over seeds; empty where the teacher has no weights, or no measure has goals of both kinds",
+            |row: &SightSummary| row.auc,
+        )
+        .shown("AUC of the weights", |row| with_spread(row.auc, row.auc_std)),
+        Column::real("auc_std", "its standard deviation over seeds; empty for fewer than two", |row: &SightSummary| {
+            row.auc_std
+        }),
+    ];
+    Sheet::of(caption(), &rows, &columns)
+}
+
+fn caption() -> String {
+    format!(
+        "Whether teachers see the frontier. At some evaluations the student's success at every goal of the pool was measured in \
+         episodes that neither budget nor teacher hears of. Goals of intermediate success: share of the goals whose \
+         measured success p has p(1 - p) above {INTERMEDIATE}. AUC of the weights: the probability that the teacher gave \
+         such a goal more weight than another one at that moment, ties one half; 0.50 for a teacher that does not tell \
+         them apart, 1.00 where all of them weigh more than all others, below 0.50 where it prefers goals that are \
+         mastered or out of reach. Means over measures, the untrained student's left out, then over seeds ± standard \
+         deviation; {UNDEFINED} for teachers that do not weigh the pool. Few episodes per goal make goals look \
+         intermediate, or not, by chance, which pulls the AUC towards 0.50."
+    )
+}
+
+type Row<'a> = (&'a RunKey, &'a Frontier);
+
+fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
+    let runs = analysis.frontier.measures.iter();
+    let rows: Vec<Row<'_>> =
+        runs.flat_map(|(run, measures)| measures.iter().map(move |measure| (run, measure))).collect();
+    let mean = |rates: Vec<f64>| stats::mean(&rates);
+    let solved =
+        |rates: Vec<f64>| stats::mean(&rates.iter().map(|&p| f64::from(p >= SOLVED)).collect::<Vec<_>>());
+    let columns = [
+        Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, |row: &Row<'_>| {
+            row.0.environment.clone()
+        }),
+        Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |row: &Row<'_>| row.0.curriculum.clone()),
+        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &Row<'_>| row.0.variant.clone()),
+        Column::count(columns::SEED.0, columns::SEED.1, |row: &Row<'_>| row.0.seed),
+        Column::count("step", "training steps taken in the environment", |row: &Row<'_>| row.1.step),
+        Column::count(
+            "eval_index",
+            "index of the evaluation beside which it was measured, 0 for the untrained student",
+            |row: &Row<'_>| row.1.eval_index,
+        ),
+        Column::count("goals", "goals of the pool", |row: &Row<'_>| row.1.successes.len() as u64),
+        Column::count("episodes", "greedy episodes towards each of them", |row: &Row<'_>| row.1.episodes),
+        Column::real("success", "share of all these episodes that ended in success", move |row: &Row<'_>| {
+            mean(row.1.rates())
+        }),
+        Column::real(
+            "intermediate",
+            format!("share of the goals whose success p has p(1 - p) above {INTERMEDIATE}"),
+            |row: &Row<'_>| MeasureSight::of(row.1).intermediate,
+        ),
+        Column::real(
+            "solved",
+            format!("share of the goals with a success of at least {SOLVED}"),
+            move |row: &Row<'_>| solved(row.1.rates()),
+        ),
+        Column::real(
+            "auc",
+            "area under the ROC curve of the teacher's weights for the goals of intermediate success; empty where the \
+             teacher has no weights, or all goals are of one kind",
+            |row: &Row<'_>| MeasureSight::of(row.1).auc,
+        ),
+    ];
+    Sheet::of(String::new(), &rows, &columns)
+}
+
+fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
+    let maps = map::maps(analysis.groups, &analysis.frontier, &analysis.catalogue().mazes);
+    let mut drawings = Vec::new();
+    for (index, frontier) in maps.iter().enumerate() {
+        let id = &frontier.maze.id;
+        drawings.push(Drawing {
+            name: format!("frontier-{}", file_name(id, index)),
+            title: format!("{id}: measured success at the goals of the pool, and the teacher's weights"),
+            environment: Some(id.clone()),
+            svg: figure::frontier(frontier)?,
+        });
+    }
+    Ok(drawings)
+}
