@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use guard::files;
 use reports::schema::{Outcome, RunKey};
 use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;

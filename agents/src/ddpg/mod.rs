@@ -302,7 +302,7 @@ impl Agent for Ddpg {
         Ok(PolicyWeights {
             state: self.normalizers.state.scaling(),
             goal: self.normalizers.goal.scaling(),
-            layers: self.learner.actor.network(Parameters::Online).dense()?,
+            layers: self.networks.actor.network(Parameters::Online).dense()?,
         })
     }
 

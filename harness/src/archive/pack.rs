@@ -96,7 +96,7 @@ pub fn pack(
     let named = |(name, bytes): (PathBuf, Vec<u8>)| (name.display().to_string(), Content::Bytes(bytes));
     contents.extend(tidy.files.into_iter().map(named));
     for run in store.runs() {
-        contents.extend(files_of(results, run.key()));
+        contents.extend(files_of(results, run.key())?);
     }
     contents.extend(protocol_files(results));
     for run in &chosen {
@@ -155,13 +155,18 @@ fn chosen(runs: &[Run], choice: &PolicyChoice) -> Result<Vec<RunKey>, PackProble
 }
 
 /// The packed files of a run that are there.
-fn files_of(results: &Path, run: &RunKey) -> impl Iterator<Item = (String, Content)> {
+///
+/// # Errors
+/// [`HarnessError::Store`] if nobody can tell which are.
+fn files_of(results: &Path, run: &RunKey) -> Result<Vec<(String, Content)>, HarnessError> {
     let folder = RunFolder::of(results, run);
-    let rows = layout::FILES.iter().filter(|row| row.packed);
-    rows.filter(move |row| folder.has(row.name)).map({
-        let (folder, run) = (layout::run_dir(results, run), run.clone());
-        move |row| (format!("runs/{run}/{}", row.name), Content::File(folder.join(row.name)))
-    })
+    let mut files = Vec::new();
+    for row in layout::FILES.iter().filter(|row| row.packed) {
+        if folder.has(row.name)? {
+            files.push((format!("runs/{run}/{}", row.name), Content::File(folder.file(row.name))));
+        }
+    }
+    Ok(files)
 }
 
 /// The copies of protocols, by their names as far as these fit.
