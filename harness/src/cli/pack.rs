@@ -1,13 +1,15 @@
 //! `goalbench pack`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use guard::text::short;
 use reports::ReportOptions;
 use reports::wording::counted;
 
 use super::{Exit, ExitCode, print};
 use crate::archive::{EXTENSION, Packing, PolicyChoice, pack};
 use crate::config::seeds;
+use crate::error::HarnessError;
 use crate::{Registry, outputs, paper};
 
 #[derive(clap::Args)]
@@ -19,7 +21,7 @@ pub(super) struct Args {
     /// Results folder, all of whose runs have ended
     results: PathBuf,
     /// Archive to write; a file of this name is replaced
-    #[arg(long, value_name = "NAME.tar.zst", value_parser = archive)]
+    #[arg(long, value_name = "NAME.tar.zst")]
     out: PathBuf,
     /// Trained policies that come along: `first` (the lowest finished seed of each environment, curriculum and
     /// variant), `all`, `none`, or seeds such as 0..3
@@ -33,11 +35,14 @@ pub(super) struct Args {
     title: Option<String>,
 }
 
-fn archive(text: &str) -> Result<PathBuf, String> {
-    let is_named = text.ends_with(EXTENSION);
-    is_named
-        .then(|| PathBuf::from(text))
-        .ok_or_else(|| format!("a name that ends with {EXTENSION} is accepted"))
+/// # Errors
+/// [`HarnessError::Argument`] if `out` is not called as an archive.
+fn check_name(out: &Path) -> Result<(), HarnessError> {
+    if out.as_os_str().as_encoded_bytes().ends_with(EXTENSION.as_bytes()) {
+        return Ok(());
+    }
+    let reason = format!("{} given, a name that ends with {EXTENSION} is accepted", short(&out.to_string_lossy()));
+    Err(HarnessError::Argument { option: "--out", reason })
 }
 
 fn policies(text: &str) -> Result<PolicyChoice, String> {
@@ -59,6 +64,7 @@ fn licence(text: &str) -> Result<String, &'static str> {
 }
 
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
+    check_name(&args.out)?;
     outputs::file("--out", &args.out, &[])?;
     let packing =
         Packing { policies: args.policies.clone(), licence: args.licence.clone(), title: args.title.clone() };
