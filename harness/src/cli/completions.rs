@@ -64,7 +64,7 @@ fn pages(command: &Command, folder: &Path) -> Result<(), HarnessError> {
 }
 
 /// `program` without the commands that only the program itself gives.
-fn visible(program: &Command) -> Command {
+pub(super) fn visible(program: &Command) -> Command {
     let shown = program.get_subcommands().filter(|command| !command.is_hide_set());
     let bare = Command::new("goalbench")
         .about(program.get_about().cloned().unwrap_or_default())

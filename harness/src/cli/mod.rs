@@ -99,8 +99,8 @@ enum Command {
     Completions(completions::CompletionsArgs),
     /// Write a page of the manual for each command
     Man(completions::ManArgs),
-    /// Explain a command, every config field (`help config`), curricula in Python (`help python`), or the
-    /// JSON that commands print (`help json`)
+    /// Explain a command, or print a page: every config field (`help config`), a curriculum in Python (`help
+    /// python`), a tutorial; `help help` lists them
     Help(help::Args),
     /// Carry out the runs whose manifests lie in FOLDERS, in lockstep (what `run` starts for each cohort)
     #[command(hide = true)]

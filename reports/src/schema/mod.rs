@@ -1,5 +1,6 @@
 //! The record schema: what a run writes and every report reads.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -7,7 +8,7 @@ use serde_json::{Map, Value};
 pub const SCHEMA: u32 = 1;
 
 /// What identifies a run. Its id reads `environment/curriculum/variant/seed-N`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunKey {
     /// Environment id.
@@ -27,7 +28,7 @@ impl std::fmt::Display for RunKey {
 }
 
 /// One evaluation: a line of `records.jsonl`. Nothing in it depends on the clock.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
     /// Environment id.
@@ -81,7 +82,7 @@ fn is_zero(number: &u64) -> bool {
 
 /// What the teacher did since the evaluation before: a line of `teaching.jsonl`. Nothing in it depends on the
 /// clock.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Teaching {
     /// The evaluation that it leads up to.
@@ -114,7 +115,7 @@ pub struct Teaching {
 ///
 /// Losses, values and gradients are those that a gradient step would find on one batch, drawn and relabelled
 /// as all batches are; `null` before the first episode, or where a number is not finite.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Learning {
     /// The evaluation beside which it was taken.
@@ -154,7 +155,7 @@ impl Learning {
 
 /// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have that were
 /// asked to measure it. Nothing in it depends on the clock.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frontier {
     /// The evaluation beside which it was measured.
@@ -181,7 +182,7 @@ impl Frontier {
 }
 
 /// Time taken: a line of `timing.jsonl`, kept apart because it differs between machines.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timing {
     /// The evaluation it belongs to.
@@ -208,7 +209,7 @@ pub const PROGRAM: &str = "program";
 pub const CURRICULUM: &str = "curriculum";
 
 /// `manifest.json`: what a run is, written before its first record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// [`SCHEMA`].
@@ -228,7 +229,7 @@ pub struct Manifest {
 }
 
 /// How a run ended: `outcome.json`, written last.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(tag = "status", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Outcome {
     /// The budget is used up.
@@ -246,7 +247,7 @@ pub enum Outcome {
 }
 
 /// A worker process that went away without an outcome: a line of `crashes.jsonl`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Crash {
     /// 0 for the first attempt of a sweep.
