@@ -19,8 +19,8 @@ use reports::schema::{Frontier, Manifest};
 use reports::store::{Results, RunFolder, layout};
 use support::{refused, stderr, toy, toy_args};
 
-/// Long enough to be killed in. A teacher with weights, one whose rollouts lie between evaluations and one that
-/// knows no pool.
+/// Long enough to be killed in. A teacher with weights, one whose rollouts lie between evaluations and one
+/// that knows no pool.
 const LONGER: [&str; 14] = [
     "--curriculum",
     "teach,sfl,her-iid",

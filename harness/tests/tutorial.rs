@@ -68,9 +68,6 @@ fn every_command_of_the_tutorial_works_and_both_curricula_are_in_their_figures()
         let report = folder.path().join(results).join("report");
         let page = std::fs::read_to_string(report.join("index.html")).expect("a report");
         assert!(page.contains(title), "{title} is not on the page");
-        let figures = std::fs::read_dir(report.join("figures")).expect("figures");
-        let names: Vec<String> =
-            figures.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect();
-        assert!(names.iter().any(|name| name.starts_with("learning") && name.ends_with(".png")), "{names:?}");
+        assert!(report.join("figures/success-MazeA.png").exists());
     }
 }

@@ -21,8 +21,8 @@ pub(super) enum Member {
 /// Names of the files of tidy data.
 const TIDY: [&str; 2] = ["records.parquet", "runs.parquet"];
 
-/// What the file `name` is, a path below the archive's folder with `/` between its parts; `None` if no archive
-/// has such a file.
+/// What the file `name` is, a path below the archive's folder with `/` between its parts; `None` if no
+/// archive has such a file.
 pub(super) fn member(name: &str) -> Option<Member> {
     let parts: Vec<&str> = name.split('/').collect();
     let is_plain =

@@ -3,9 +3,8 @@
 //! ```text
 //! NAME.tar.zst: goalbench-results/SHA256SUMS                 of every other file, in the format of sha256sum
 //!                                 DATA.md                    what this is: a dataset card
-//!                                 policies/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{policy.json, policy.safetensors}
-//!                                 protocols/NAME.toml
-//!                                 records.parquet, runs.parquet
+//!                                 policies/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{policy.json,
+//!                                 policy.safetensors} protocols/NAME.toml records.parquet, runs.parquet
 //!                                 runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE
 //! ```
 //!

@@ -67,18 +67,18 @@ enum Content {
 
 /// How hard zstd tries: above this it takes much longer for little.
 const LEVEL: i32 = 12;
-/// Longest name of a protocol in an archive, in bytes, without number and extension: tar's format has room for
-/// 100.
+/// Longest name of a protocol in an archive, in bytes, without number and extension: tar's format has room
+/// for 100.
 const LONGEST_STEM: usize = 80;
 /// What errors say was tried.
 const PACK: &str = "pack these results";
 
-/// Packs the results folder `results` into the file `out`, which appears complete or not at all. `options` say
-/// what the runs' final success is.
+/// Packs the results folder `results` into the file `out`, which appears complete or not at all. `options`
+/// say what the runs' final success is.
 ///
 /// # Errors
-/// [`HarnessError::Unusable`] with a [`PackProblem`]; [`HarnessError`] if a policy that is asked for cannot be
-/// read, or a file not be read or written.
+/// [`HarnessError::Unusable`] with a [`PackProblem`]; [`HarnessError`] if a policy that is asked for cannot
+/// be read, or a file not be read or written.
 pub fn pack(
     registry: &Registry,
     results: &Path,

@@ -34,11 +34,12 @@ const USE: &str = "use this archive";
 const MOST_OF_SUMS: u64 = 64 << 20;
 
 /// Reads the archive at `path`. Everything in it is checked before anything is used: the names and kinds of
-/// its entries, their number and size, the checksum of each, and then the runs as those of any results folder.
-/// It is unpacked into a temporary folder that is gone afterwards.
+/// its entries, their number and size, the checksum of each, and then the runs as those of any results
+/// folder. It is unpacked into a temporary folder that is gone afterwards.
 ///
 /// # Errors
-/// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for it.
+/// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for
+/// it.
 pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
     let refused = |problem: ArchiveProblem| HarnessError::unusable(path.display(), USE)(problem);
     let folder = tempfile::tempdir().map_err(HarnessError::system("make a temporary folder"))?;

@@ -19,8 +19,8 @@ pub(super) fn parse<P: Parser>() -> Result<P, Error> {
 }
 
 /// The command of `P`, whose options take negative numbers: they are refused as values, not as options. What
-/// is longer than any path is refused as one, before it is repeated in a message. Options that take a path have
-/// no further `value_parser`: this takes its place.
+/// is longer than any path is refused as one, before it is repeated in a message. Options that take a path
+/// have no further `value_parser`: this takes its place.
 pub(super) fn command<P: Parser>() -> Command {
     fn prepared(command: Command) -> Command {
         command.mut_args(|arg| path(negative_numbers(arg))).mut_subcommands(prepared)

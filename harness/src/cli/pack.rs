@@ -23,8 +23,8 @@ pub(super) struct Args {
     /// Archive to write; a file of this name is replaced
     #[arg(long, value_name = "NAME.tar.zst")]
     out: PathBuf,
-    /// Trained policies that come along: `first` (the lowest finished seed of each environment, curriculum and
-    /// variant), `all`, `none`, or seeds such as 0..3
+    /// Trained policies that come along: `first` (the lowest finished seed of each environment, curriculum
+    /// and variant), `all`, `none`, or seeds such as 0..3
     #[arg(long, value_name = "WHICH", default_value = "first", value_parser = policies)]
     policies: PolicyChoice,
     /// Licence of the data, as an SPDX id
@@ -41,7 +41,8 @@ fn check_name(out: &Path) -> Result<(), HarnessError> {
     if out.as_os_str().as_encoded_bytes().ends_with(EXTENSION.as_bytes()) {
         return Ok(());
     }
-    let reason = format!("{} given, a name that ends with {EXTENSION} is accepted", short(&out.to_string_lossy()));
+    let reason =
+        format!("{} given, a name that ends with {EXTENSION} is accepted", short(&out.to_string_lossy()));
     Err(HarnessError::Argument { option: "--out", reason })
 }
 

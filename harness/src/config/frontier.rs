@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 /// `frontier`: measures of the student's success at every goal of the pool, at some evaluations.
 ///
-/// The episodes are played greedily on instances of their own. They train nobody, no teacher hears of them, and
-/// no budget pays for them: with and without them a run trains, and records everything else, in the same way.
+/// The episodes are played greedily on instances of their own. They train nobody, no teacher hears of them,
+/// and no budget pays for them: with and without them a run trains, and records everything else, in the same
+/// way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table with the keys `every` and `episodes`")]
 pub struct FrontierOptions {

@@ -1,7 +1,7 @@
 //! Frontier truth: the success that the student really has at every goal of the pool.
 //!
-//! The episodes have instances of the environment and random streams of their own. Nobody learns from them, and
-//! neither budget nor teacher hears of them.
+//! The episodes have instances of the environment and random streams of their own. Nobody learns from them,
+//! and neither budget nor teacher hears of them.
 
 use std::sync::Arc;
 
@@ -46,9 +46,9 @@ impl FrontierTruth {
         self.options.is_due(eval_index, last)
     }
 
-    /// Plays the episodes of all goals, goal by goal, as many in lockstep as there are instances; their starts
-    /// are drawn from `rng` in this order. Gives the measure without its place in the run, its goals and the
-    /// teacher's weights.
+    /// Plays the episodes of all goals, goal by goal, as many in lockstep as there are instances; their
+    /// starts are drawn from `rng` in this order. Gives the measure without its place in the run, its goals
+    /// and the teacher's weights.
     ///
     /// # Errors
     /// [`RunError`] if physics or student break down.

@@ -50,8 +50,8 @@ pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportE
     write_beside(results, Vec::new(), options)
 }
 
-/// [`write()`], with results of others drawn beside these and marked by their names. They decide no verdict on
-/// a claim, and their runs are paired with others of the same seed only where they were made alike.
+/// [`write()`], with results of others drawn beside these and marked by their names. They decide no verdict
+/// on a claim, and their runs are paired with others of the same seed only where they were made alike.
 ///
 /// # Errors
 /// As [`write()`]; [`ReportError::Guest`].

@@ -49,7 +49,7 @@ pub struct Record {
     /// Share of them that ended in success, in [0, 1].
     pub success_rate: f64,
     /// Share of them that were successful after at least one of their actions, from
-    /// [`success_rate`](Self::success_rate) to 1; `None` in files older than the field.
+    /// [`success_rate`](Self::success_rate) to 1; absent in files older than the field.
     #[serde(default)]
     pub any_success_rate: Option<f64>,
     /// Mean over episodes of the sum of rewards, in [-H, 0].
@@ -95,17 +95,17 @@ pub struct Teaching {
     pub successes: Vec<bool>,
     /// For pool teachers the probability of every pool goal now, `[N]`, in single precision.
     pub weights: Option<Vec<f32>>,
-    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. `None`
+    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. absent
     /// in files older than the field.
     #[serde(default)]
     pub picks: Option<Vec<Option<u32>>>,
     /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own
-    /// unit and in single precision; `null` for a goal without one. `None` for teachers that score no goals,
+    /// unit and in single precision; `null` for a goal without one. `null` for teachers that score no goals,
     /// and in files older than the field.
     #[serde(default)]
     pub scores: Option<Vec<Option<f32>>>,
     /// The rank of every episode's goal among those that the teacher chose from, `[episodes]`: 0 for the
-    /// first; `null` for a goal without one. `None` for teachers that rank no goals, and in files older than
+    /// first; `null` for a goal without one. `null` for teachers that rank no goals, and in files older than
     /// the field.
     #[serde(default)]
     pub ranks: Option<Vec<Option<u32>>>,
@@ -153,8 +153,8 @@ impl Learning {
     }
 }
 
-/// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have that were
-/// asked to measure it. Nothing in it depends on the clock.
+/// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have
+/// that were asked to measure it. Nothing in it depends on the clock.
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frontier {
@@ -169,8 +169,8 @@ pub struct Frontier {
     /// The goals of the pool, `[N][G]`, in single precision; in the first line alone, for they stay the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goals: Option<Vec<Vec<f32>>>,
-    /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for teachers
-    /// that do not weigh the pool.
+    /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for
+    /// teachers that do not weigh the pool.
     pub weights: Option<Vec<f32>>,
 }
 
@@ -194,10 +194,10 @@ pub struct Timing {
     /// Seconds of it spent in evaluations.
     pub evaluation_s: f64,
     /// Seconds of it spent in the teacher: proposing, observing and learning, and the probe rollouts that it
-    /// asked for; `None` in files older than the field.
+    /// asked for; absent in files older than the field.
     #[serde(default)]
     pub teacher_s: Option<f64>,
-    /// Seconds of it spent in the student's gradient steps; `None` in files older than the field.
+    /// Seconds of it spent in the student's gradient steps; absent in files older than the field.
     #[serde(default)]
     pub learning_s: Option<f64>,
 }
@@ -212,7 +212,7 @@ pub const CURRICULUM: &str = "curriculum";
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// [`SCHEMA`].
+    /// Version of the schema, [`SCHEMA`].
     pub schema: u32,
     /// Which run this is.
     pub run: RunKey,
@@ -220,7 +220,8 @@ pub struct Manifest {
     pub config: Value,
     /// SHA-256 of schema, run and config, in hex.
     pub hash: String,
-    /// Versions of goalbench and its native libraries, of [`PROGRAM`] and [`CURRICULUM`].
+    /// Versions by name: of goalbench, its commit and its native libraries, of the program that carries out
+    /// the run (`program`) and of its curriculum (`curriculum`).
     pub versions: std::collections::BTreeMap<String, String>,
     /// Training steps of the budgets that were used up before the run was trained on, in order; absent from
     /// the file of a run that never was.
@@ -252,7 +253,7 @@ pub enum Outcome {
 pub struct Crash {
     /// 0 for the first attempt of a sweep.
     pub attempt: u32,
-    /// Training steps at the last evaluation before it; `None` in files older than the field.
+    /// Training steps at the last evaluation before it; absent in files older than the field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<u64>,
     /// What is known of it.

@@ -1,9 +1,9 @@
 //! How well a score tells two classes apart.
 
-/// Area under the receiver operating characteristic of `scores` for the class `positive`, both `[n]`: the probability
-/// that a random member of the class has a higher score than a random other one, ties one half (Hanley and McNeil
-/// 1982). 1/2 for a score that knows nothing, 1 where the whole class lies above all others. `None` unless both
-/// classes have members.
+/// Area under the receiver operating characteristic of `scores` for the class `positive`, both `[n]`: the
+/// probability that a random member of the class has a higher score than a random other one, ties one half
+/// (Hanley and McNeil 1982). 1/2 for a score that knows nothing, 1 where the whole class lies above all
+/// others. `None` unless both classes have members.
 ///
 /// ```
 /// // Of the 2 · 2 pairs the first member wins both, the second ties one and loses one.

@@ -1,8 +1,8 @@
 //! The worst part of a distribution.
 
-/// Conditional value at risk: the mean of the lowest share `alpha` of the values, in (0, 1]. The value at the border
-/// counts with the part of it that belongs to that share, so that the answer is continuous in `alpha` (Rockafellar
-/// and Uryasev 2002). `None` for no values or an `alpha` outside its range.
+/// Conditional value at risk: the mean of the lowest share `alpha` of the values, in (0, 1]. The value at the
+/// border counts with the part of it that belongs to that share, so that the answer is continuous in `alpha`
+/// (Rockafellar and Uryasev 2002). `None` for no values or an `alpha` outside its range.
 ///
 /// ```
 /// // A quarter of six values are one and a half of them: (0.1 + 0.5 · 0.4) / 1.5.

@@ -7,8 +7,8 @@ use super::problem::StoreProblem;
 use super::{Results, Run, RunFolder, check};
 use crate::schema::Frontier;
 
-/// The success of a run's student at every goal of the pool, by rising evaluation, and what is wrong with the file.
-/// Runs that were not asked to measure it have no such file: nothing, and no problem.
+/// The success of a run's student at every goal of the pool, by rising evaluation, and what is wrong with the
+/// file. Runs that were not asked to measure it have no such file: nothing, and no problem.
 pub fn frontier(results: &Path, run: &Run) -> (Vec<Frontier>, Vec<StoreProblem>) {
     let folder = RunFolder::of(results, run.key());
     let results = Results::new(results);

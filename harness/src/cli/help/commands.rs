@@ -18,7 +18,8 @@ wrong input, which changes nothing; 3 if a signal stopped it.
 pub(super) fn page(program: &Command) -> String {
     let options = MarkdownOptions::new().show_footer(false).title(String::new());
     let text = help_markdown_command_custom(&visible(program), &options);
-    let body = text.split_once("\n\n").map_or(text.as_str(), |(_, body)| body);
+    // Its own introduction ends where the overview begins.
+    let body = text.find("* [").map_or(text.as_str(), |start| &text[start..]);
     let lines: Vec<&str> = body.lines().map(str::trim_end).collect();
     format!("{INTRODUCTION}{}\n", lines.join("\n").trim())
 }

@@ -41,7 +41,8 @@ fn of_command(mut program: clap::Command, names: &[&str]) -> Result<String, Harn
     for name in names {
         if command.find_subcommand(name).is_none() {
             let shown = command.get_subcommands().filter(|command| !command.is_hide_set());
-            let known = shown.map(clap::Command::get_name).chain(TOPICS.iter().map(|topic| topic.id));
+            let known: Vec<&str> =
+                shown.map(clap::Command::get_name).chain(TOPICS.iter().map(|topic| topic.id)).collect();
             return Err(HarnessError::unknown("", "command", name, known));
         }
         command = command.find_subcommand_mut(name).expect("it was found");

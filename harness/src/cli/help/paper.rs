@@ -32,7 +32,7 @@ reading?](reports.md#does-a-verdict-hang-on-the-reading) tells how reports compa
 pub(super) fn page(registry: &Registry) -> String {
     let catalogue = paper::catalogue(registry);
     let titles = |ids: &[String]| {
-        let titles: Vec<String> = ids.iter().map(|id| catalogue.method(id).title).collect();
+        let titles: Vec<String> = ids.iter().map(|id| catalogue.method(id).title.clone()).collect();
         titles.join(", ")
     };
     let mut text = INTRODUCTION.to_owned();

@@ -16,8 +16,8 @@ page. [Protocols](protocols.md#results) shows where the folder is and which file
 [Curricula](curricula.md#what-is-recorded) tells which numbers each teacher records. The tidy tables that `report` makes of
 them are explained in the report's own `DATA.md`.
 
-Files ending in `.jsonl` hold a JSON object per line. `[N]` is the shape of a list: N goals in the pool, G numbers in a goal.
-`null` is accepted only where this page says so, and an unknown field nowhere.
+Files ending in `.jsonl` hold a JSON object per line. Types are JSON's, where `integer` is a whole number and `number[]` a list of
+numbers; `[N]` is the shape of a list, with N goals in the pool and G numbers in a goal. An unknown field is an error.
 ";
 
 /// A file, and what one line or all of it is.
@@ -76,19 +76,18 @@ fn rows(schema: &Json, path: &str, text: &mut String) {
         }
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
         let meaning = about(field).replace('|', "\\|").replace("\n\n", " ");
-        let _ = writeln!(text, "| `{path}` | {} | {meaning} |", kind(field));
+        let _ = writeln!(text, "| `{path}` | `{}` | {meaning} |", kind(field));
         rows(field, &path, text);
     }
 }
 
-/// The type of a field, in words.
+/// The type of a field, as in `number[][]` or `(integer or null)[]`.
 fn kind(schema: &Json) -> String {
     let word = |name: &Json| match name.as_str().unwrap_or_default() {
-        "integer" => "whole number".to_owned(),
-        "string" => "text".to_owned(),
-        "boolean" => "`true` or `false`".to_owned(),
-        "array" => format!("list of {}", kind(&schema["items"])),
-        "object" => "object".to_owned(),
+        "array" => match kind(&schema["items"]) {
+            items if items.contains(' ') => format!("({items})[]"),
+            items => format!("{items}[]"),
+        },
         other => other.to_owned(),
     };
     match &schema["type"] {

@@ -1,5 +1,5 @@
-//! The pages that `goalbench help` prints: those that people write, and those that are made from the code. The
-//! book has the same pages.
+//! The pages that `goalbench help` prints: those that people write, and those that are made from the code.
+//! The book has the same pages.
 
 use super::{commands, paper, records};
 use crate::Registry;
@@ -35,7 +35,8 @@ impl Topic {
         Self { id, about, text: Text::Made(text) }
     }
 
-    /// The page, in Markdown, with the environments and curricula of `registry` and the commands of `program`.
+    /// The page, in Markdown, with the environments and curricula of `registry` and the commands of
+    /// `program`.
     pub(super) fn page(&self, registry: &Registry, program: &clap::Command) -> String {
         match self.text {
             Text::Written(text) => text.to_owned(),

@@ -125,8 +125,8 @@ impl Log {
     }
 }
 
-/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` where there
-/// is anything to write into it and, at last, `checksums.json` and `outcome.json`.
+/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` where
+/// there is anything to write into it and, at last, `checksums.json` and `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,

@@ -91,8 +91,8 @@ impl Trainer {
         let method = registry.curriculum(&key.curriculum).expect(known);
         let seeds = config.seed;
         let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
-        // All methods of a seed draw the same pool, whether they choose from it or are evaluated or measured on
-        // it.
+        // All methods of a seed draw the same pool, whether they choose from it or are evaluated or measured
+        // on it.
         let drawn = if method.uses_pool || in_evaluations || config.frontier.is_on() {
             let mut rng = seeds.stream(key.seed, Purpose::Pool);
             Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)

@@ -1,5 +1,5 @@
-//! Of the goals of a pool: what share a student ever solved, what share of these it forgot, and how it fares at the
-//! hardest.
+//! Of the goals of a pool: what share a student ever solved, what share of these it forgot, and how it fares
+//! at the hardest.
 
 use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::group::{Group, GroupKey};
@@ -90,8 +90,8 @@ mod tests {
             successes: successes.to_vec(),
             ..Frontier::default()
         };
-        // The first goal is kept, the second forgotten, the third only worse than it was, the fourth never solved,
-        // the fifth solved at last.
+        // The first goal is kept, the second forgotten, the third only worse than it was, the fourth never
+        // solved, the fifth solved at last.
         let measures = [measure(0, [0; 5]), measure(1, [4, 5, 4, 3, 0]), measure(2, [5, 2, 3, 1, 4])];
         let coverage = Coverage::of(&measures).expect("three measures");
         assert_eq!((coverage.solved, coverage.forgotten), (0.8, Some(0.25)));

@@ -1,5 +1,5 @@
-//! Whether a teacher sees the frontier: how well the weights that it gives the goals of its pool tell those of
-//! intermediate success from the others.
+//! Whether a teacher sees the frontier: how well the weights that it gives the goals of its pool tell those
+//! of intermediate success from the others.
 
 use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::group::{Group, GroupKey};
@@ -20,8 +20,8 @@ pub fn is_intermediate(successes: u64, episodes: u64) -> bool {
 pub struct MeasureSight {
     /// Share of the goals that have intermediate success.
     pub intermediate: f64,
-    /// [`stats::auc`] of the teacher's weights for these goals; `None` for a teacher without weights, and where all
-    /// goals have intermediate success or none has.
+    /// [`stats::auc`] of the teacher's weights for these goals; `None` for a teacher without weights, and
+    /// where all goals have intermediate success or none has.
     pub auc: Option<f64>,
 }
 
@@ -60,8 +60,8 @@ pub struct SightSummary {
 }
 
 impl SightSummary {
-    /// The numbers of a group; `None` if none of its runs was measured after training had begun. The untrained
-    /// student's measure is left out: no teacher has seen it learn yet.
+    /// The numbers of a group; `None` if none of its runs was measured after training had begun. The
+    /// untrained student's measure is left out: no teacher has seen it learn yet.
     pub fn of(group: &Group<'_>, files: &FrontierFiles) -> Option<Self> {
         let mut intermediate = Vec::new();
         let mut areas = Vec::new();
