@@ -20,6 +20,9 @@ pub(super) fn page(program: &Command) -> String {
     let text = help_markdown_command_custom(&visible(program), &options);
     // Its own introduction ends where the overview begins.
     let body = text.find("* [").map_or(text.as_str(), |start| &text[start..]);
+    // Its smallest headings, one for arguments and one for options of each command, would fill tables of
+    // contents.
+    let body = body.replace("###### **", "**").replace('↴', "");
     let lines: Vec<&str> = body.lines().map(str::trim_end).collect();
     format!("{INTRODUCTION}{}\n", lines.join("\n").trim())
 }
