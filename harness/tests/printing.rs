@@ -61,6 +61,17 @@ const COMMANDS: &[&[&str]] = &[
     ],
     &["profile", "--env", "Point", "--curriculum", "her-iid", "--cycles", "1", "--json"],
     &["protocol", "show", "quickstart"],
+    &[
+        "quickstart",
+        "--out",
+        "DIR/quick-N",
+        "--env",
+        "MazeA",
+        "--steps",
+        "100",
+        "--set",
+        "evaluation.episodes=1",
+    ],
 ];
 
 const GATE: &str = "name = 'gate'\nenvironments = ['Point']\ncurricula = ['her-iid']\nseeds = [0, 1]\nbudget.steps = 80\n\

@@ -1,6 +1,7 @@
 //! Command lines that clap refuses, in words that help.
 
 use std::any::TypeId;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -15,7 +16,17 @@ use crate::console::takes_sequences;
 /// # Errors
 /// Clap's answer where it is refused, or where help or version are asked for.
 pub(super) fn parse<P: Parser>() -> Result<P, Error> {
-    command::<P>().try_get_matches().and_then(|matches| P::from_arg_matches(&matches))
+    parse_from(std::env::args_os())
+}
+
+/// The same of other words, the program's name before them.
+///
+/// # Errors
+/// As those of [`parse`].
+pub(super) fn parse_from<P: Parser>(
+    words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+) -> Result<P, Error> {
+    command::<P>().try_get_matches_from(words).and_then(|matches| P::from_arg_matches(&matches))
 }
 
 /// The command of `P`, whose options take negative numbers: they are refused as values, not as options. What

@@ -31,6 +31,7 @@ mod misuse;
 mod pack;
 mod profile;
 mod protocol;
+mod quickstart;
 mod regress;
 mod render;
 mod report;
@@ -69,6 +70,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Train a small comparison and draw its report: TEACH against HER-IID on a maze and on FetchReach
+    Quickstart(quickstart::Args),
     /// List environments, curricula, presets, suites, or every config field with its default
     List(list::Args),
     /// Train and evaluate: every environment with every curriculum and seed of a protocol
@@ -151,6 +154,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
     };
     outlive_file_limits();
     let result = match cli.command {
+        Command::Quickstart(args) => quickstart::quickstart(&registry, &args),
         Command::List(args) => list::list(&registry, &args),
         Command::Run(args) => run::run(&registry, &args),
         Command::Status(args) => status::show(&args),

@@ -152,6 +152,20 @@ fn check_executor(args: &Args) -> Result<(), HarnessError> {
     }
 }
 
+impl Args {
+    /// Where the runs of the protocol `name` lie once the command has ended; `None` if it carries out none here.
+    pub(super) fn results(&self, name: &str) -> Option<PathBuf> {
+        let stays_here = self.executor == Executor::Local && !self.dry_run && !self.print_config;
+        stays_here.then(|| results(self, name))
+    }
+}
+
+/// The results folder of the protocol `name`.
+fn results(args: &Args, name: &str) -> PathBuf {
+    let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(name));
+    outputs::unlike_an_option(results)
+}
+
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     check_executor(args)?;
     let further = words(&args.slurm.extra)?;
@@ -167,8 +181,7 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
             "needs --out, since without it the results folder is named after the command, budget included";
         return Err(HarnessError::Argument { option: "--extend", reason: reason.to_owned() });
     }
-    let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&plan.name));
-    let results = outputs::unlike_an_option(results);
+    let results = results(args, &plan.name);
     outputs::folder("--out", &results, &args.protocol.inputs())?;
     let sweep = Sweep::survey(&plan, &results, args.extend)?;
     if args.executor == Executor::Local && !args.dry_run {
