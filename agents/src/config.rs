@@ -43,6 +43,12 @@ pub enum PolyakEvery {
     Update,
 }
 
+/// What is left out of a config: it has the hash that it had before there was such a field.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it")]
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
 /// All hyper-parameters of the student.
 ///
 /// ```
@@ -76,6 +82,12 @@ pub struct StudentConfig {
     ///
     /// Source: a choice.
     pub precision: Precision,
+    /// Whether a GPU may round the factors of its products of singles to TF32, numbers with the range of a
+    /// single and a precision of 11 bits: faster from the Ampere generation on. Only with `device = "cuda"`.
+    ///
+    /// Source: a choice.
+    #[serde(skip_serializing_if = "is_false")]
+    pub tf32: bool,
     /// Transitions per gradient step.
     ///
     /// Unit: transitions. Range: 1 to 1,000,000. Auto: 1024; with `official` 256. Source: TEACH 5.2; VDS's
@@ -152,6 +164,7 @@ impl Default for StudentConfig {
             preset: Preset::default(),
             device: Device::default(),
             precision: Precision::default(),
+            tf32: false,
             batch: Auto::Auto,
             width: 256,
             layers: Auto::Auto,
@@ -213,6 +226,12 @@ impl StudentConfig {
         Hindsight { k: self.her_k, strategy: self.her_strategy }
     }
 
+    /// The same student on `device`, with what only a GPU does left out on a CPU.
+    #[must_use]
+    pub fn on(self, device: Device) -> Self {
+        Self { tf32: self.tf32 && device == Device::Cuda, device, ..self }
+    }
+
     /// This config without what students that learn in lockstep may differ in: exploration, relabelling,
     /// warm-up, replay buffer and normalisation are each student's own. Students of one task whose resolved
     /// configs are alike otherwise can be lanes of one [`Cohort`](crate::Cohort).
@@ -254,6 +273,10 @@ impl StudentConfig {
         accept("agent", known.contains(&self.agent.as_str()), || {
             format!("unknown agent `{}`; accepted: {}", self.agent, known.join(", "))
         })?;
+        accept("tf32", !self.tf32 || self.device == Device::Cuda, || {
+            "true given, but it is a GPU that rounds to TF32: with student.device = \"cuda\" accepted"
+                .to_owned()
+        })?;
         between("batch", self.batch(), 1, 1_000_000)?;
         between("width", self.width, 1, 16_384)?;
         between("layers", self.layers(spec), 1, 8)?;
@@ -279,6 +302,7 @@ impl StudentConfig {
 mod tests {
     use super::{PolyakEvery, Preset, StudentConfig};
     use crate::auto::Auto;
+    use crate::device::Device;
     use crate::draw::HerStrategy;
     use crate::noise::NoiseConfig;
     use crate::normalizer::NormalizerConfig;
@@ -308,6 +332,19 @@ mod tests {
         assert!(read("noise = { kind = 'pink' }").unwrap_err().contains("`ornstein-uhlenbeck`"));
         assert!(read("noise = { kind = 'gaussian', sigma = 1.0 }").unwrap_err().contains("`random_epsilon`"));
         assert!(read("normalizer = { floor = 1.0 }").unwrap_err().contains("`std_floor`"));
+    }
+
+    #[test]
+    fn tf32_is_for_gpus_and_is_written_only_where_it_is_used() {
+        let env = envs::make("Point", &envs::EnvOptions::default()).unwrap();
+        let resolve = |text: &str| read(text).unwrap().resolve(env.spec()).map_err(|error| error.to_string());
+        let refusal = resolve("tf32 = true").unwrap_err();
+        assert!(refusal.starts_with("student.tf32: true given") && refusal.contains("cuda"), "{refusal}");
+        let used = resolve("tf32 = true\ndevice = 'cuda'").unwrap();
+        assert_eq!(read(&toml::to_string(&used).unwrap()), Ok(used.clone()));
+        let there_and_back = used.clone().on(Device::Cuda).on(Device::Cpu);
+        assert_eq!(there_and_back.resolve(env.spec()).unwrap(), resolve("").unwrap());
+        assert!(!toml::to_string(&StudentConfig::default()).unwrap().contains("tf32"));
     }
 
     #[test]

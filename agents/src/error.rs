@@ -75,6 +75,9 @@ pub enum AgentError {
         /// What is missing. A process tries a device only once and remembers the outcome.
         source: &'static DeviceProblem,
     },
+    /// Products on a GPU cannot be rounded as asked for.
+    #[error("student.tf32")]
+    Tf32(#[from] SwitchProblem),
     /// libtorch refused an operation.
     #[error("libtorch")]
     Torch(#[source] TorchError),
@@ -141,6 +144,22 @@ pub enum DeviceProblem {
     /// The trial product failed.
     #[error("libtorch cannot use a CUDA device")]
     Unusable(#[source] TorchError),
+}
+
+/// Why libtorch's switch for TF32 is not as it should be.
+#[derive(Debug, thiserror::Error)]
+pub enum SwitchProblem {
+    /// It is not where it is looked for.
+    #[error("libtorch {version} does not show its switch for TF32")]
+    Missing {
+        /// The version of libtorch that this process runs on.
+        version: String,
+        /// What is missing.
+        source: libloading::Error,
+    },
+    /// It does not do what it is told.
+    #[error("libtorch's switch for TF32 stays {0}")]
+    Stays(&'static str),
 }
 
 /// What libtorch says. Only the first line of its message is shown: the others say where in its own sources

@@ -72,6 +72,7 @@ pub mod registry;
 mod replay;
 mod runtime;
 mod seal;
+mod tf32;
 mod value;
 
 pub use actor::{DenseLayer, InputScaling, PolicyWeights};
@@ -85,7 +86,7 @@ pub use diagnosis::{Diagnosis, DryStep};
 pub use draw::{HerStrategy, Hindsight};
 pub use ensemble::{Ensemble, EnsembleConfig};
 pub use episode::{Episode, Trajectory};
-pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, TorchError};
+pub use error::{AgentError, DeviceProblem, LogProblem, StateProblem, SwitchProblem, TorchError};
 pub use noise::NoiseConfig;
 pub use normalizer::{Moments, Normalizer, NormalizerConfig};
 pub use pool::side_by_side;

@@ -4,6 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tch::Kind;
 
+use crate::config::StudentConfig;
+use crate::device::Device;
+use crate::error::AgentError;
+use crate::tf32;
+
 /// The precision of the wide products of a gradient step: those between an input or a hidden layer and a
 /// hidden layer.
 ///
@@ -50,6 +55,18 @@ pub(crate) struct Arithmetic {
 }
 
 impl Arithmetic {
+    /// As `config` says, with its device opened and libtorch's switch for TF32 set.
+    ///
+    /// # Errors
+    /// [`AgentError::Device`] or [`AgentError::Tf32`] saying what is missing.
+    pub(crate) fn of(config: &StudentConfig) -> Result<Self, AgentError> {
+        let device = config.device.open()?;
+        if config.device == Device::Cuda {
+            tf32::allow(config.tf32)?;
+        }
+        Ok(Self { device, precision: config.precision })
+    }
+
     /// Singles on `device`.
     pub(crate) fn single(device: tch::Device) -> Self {
         Self { device, precision: Precision::F32 }

@@ -34,7 +34,7 @@ impl Products {
     /// [`AgentError::Config`], [`AgentError::Device`].
     pub fn new(config: &StudentConfig, spec: &Spec) -> Result<Self, AgentError> {
         let config = config.clone().resolve(spec)?;
-        let arithmetic = Arithmetic { device: config.device.open()?, precision: config.precision };
+        let arithmetic = Arithmetic::of(&config)?;
         let dims = Dims::of(spec);
         let widths = |inputs, outputs| -> Vec<usize> {
             let hidden = std::iter::repeat_n(config.width, config.layers(spec));

@@ -89,6 +89,37 @@ fn lanes_record_what_runs_alone_record() {
     }
 }
 
+/// As it says, for halves of one lane, of two and one, and of three and two; and with lanes that leave early.
+#[test]
+fn halves_that_take_turns_record_what_runs_alone_record() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let protocol = write_protocol(folder.path(), PROTOCOL);
+    let alone = folder.path().join("alone");
+    run(&protocol, &alone, &["--jobs", "2"]);
+    let expected = results(&alone);
+    for (lanes, jobs) in [("2", "2"), ("3", "2"), ("5", "1"), ("12", "3")] {
+        let together = folder.path().join(format!("{lanes}-{jobs}"));
+        run(&protocol, &together, &["--overlap", "--lanes", lanes, "--jobs", jobs]);
+        assert_same(&results(&together), &expected, &format!("--overlap --lanes {lanes} --jobs {jobs}"));
+    }
+}
+
+#[test]
+fn turns_are_for_cohorts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for lanes in ["--lanes=auto", "--lanes=1"] {
+        let out = folder.path().join("out");
+        let args = support::toy_args(&out, &["--overlap", lanes]);
+        support::refused(&args, &["--overlap", "every run goes alone", "--lanes 2 or more"]);
+        assert!(!out.exists());
+    }
+    // A single run in a cohort that has room for more.
+    let (halved, whole) = (folder.path().join("halved"), folder.path().join("whole"));
+    support::toy(&halved, &["--overlap", "--lanes", "4", "--curriculum", "teach", "--seeds", "0"]);
+    support::toy(&whole, &["--curriculum", "teach", "--seeds", "0"]);
+    assert_same(&results(&halved), &results(&whole), "one lane of four");
+}
+
 /// Workers are killed, then sweeps, then one is stopped by a signal; each time the runs go on in other
 /// cohorts or alone.
 #[test]
@@ -102,9 +133,13 @@ fn killed_and_stopped_lanes_go_on_in_other_cohorts_and_alone() {
         let length = |path: PathBuf| fs::metadata(path).map_or(0, |file| file.len());
         runs.iter().map(|run| length(run.file(layout::RECORDS))).sum()
     };
-    for (round, lanes) in ["12", "5", "1", "12", "7"].into_iter().enumerate() {
+    let halved = ["--overlap"].as_slice();
+    for (round, (lanes, more)) in
+        [("12", &[][..]), ("5", halved), ("1", &[]), ("12", halved), ("7", halved)].into_iter().enumerate()
+    {
         let before = recorded();
-        let mut sweep = start(&args(&protocol, &broken, &["--lanes", lanes, "--jobs", "2"]));
+        let more = [&["--lanes", lanes, "--jobs", "2"], more].concat();
+        let mut sweep = start(&args(&protocol, &broken, &more));
         // Something is recorded, and a little more may be.
         while recorded() == before && sweep.try_wait().expect("it can be asked").is_none() {
             std::thread::sleep(Duration::from_millis(2));
@@ -193,13 +228,16 @@ fn a_task_of_a_job_array_carries_out_a_cohort() {
     }
 
     let out = folder.path().join("cpu");
-    let args = support::toy_args(&out, &["--executor", "slurm", "--lanes", "3"]);
+    let args = support::toy_args(&out, &["--executor", "slurm", "--lanes", "3", "--overlap"]);
     let cpu = Command::new(env!("CARGO_BIN_EXE_goalbench")).args(&args).env("PATH", &path).output();
     let cpu = cpu.expect("the program starts");
     assert!(stdout(&cpu).contains("submitted job 17 with 2 tasks"), "{}", stderr(&cpu));
     let told = fs::read_to_string(bin.join("told")).expect("it was called");
     assert!(told.contains("--cpus-per-task=3") && !told.contains("--gres"), "{told}");
     let list = out.join("slurm/1/tasks.json");
+    let tasks: serde_json::Value =
+        serde_json::from_slice(&fs::read(&list).expect("it was written")).expect("JSON");
+    assert_eq!((&tasks["lanes"], &tasks["overlap"]), (&3.into(), &true.into()));
     for task in ["0", "1"] {
         let output = goalbench(&["task", list.to_str().expect("UTF-8"), task]);
         assert!(output.status.success(), "{}", stderr(&output));
@@ -207,6 +245,40 @@ fn a_task_of_a_job_array_carries_out_a_cohort() {
     let local = folder.path().join("local");
     support::toy(&local, &[]);
     assert_same(&results(&out), &results(&local), "tasks of three lanes");
+}
+
+/// The twelve runs in cohorts of five: prices, of which that of a GPU needs one.
+#[test]
+fn a_dry_run_prices_cohorts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let protocol = write_protocol(folder.path(), PROTOCOL);
+    let out = folder.path().join("out");
+    let price = |more: &[&str]| {
+        let more =
+            [&["--dry-run", "--jobs", "2", "--set", "curriculum.vds.learning_rate=0.001"], more].concat();
+        let output = goalbench(&args(&protocol, &out, &more));
+        assert!(output.status.success() && !out.exists(), "{}", stderr(&output));
+        (stdout(&output), stderr(&output))
+    };
+    let lines = |text: &str, what: &str| text.lines().filter(|line| line.contains(what)).count();
+    let (priced, _) = price(&["--lanes", "5"]);
+    assert!(priced.contains("3 cohorts of up to 5 runs in lockstep, 1 at a time"), "{priced}");
+    assert!(priced.contains(" with 1 side by side; longest cohort "), "{priced}");
+    assert_eq!(lines(&priced, "core-hours"), 1, "{priced}");
+    assert_eq!(
+        lines(&priced, "GPU-hours") + lines(&priced, "on a GPU can only be measured on one"),
+        1,
+        "{priced}"
+    );
+    // The price on the cores is told whichever device the runs are for.
+    let (on_gpu, _) = price(&["--device", "cuda"]);
+    assert!(on_gpu.contains("core-hours") && on_gpu.contains("longest run"), "{on_gpu}");
+    let (_, said) = price(&["--lanes", "50"]);
+    assert!(said.contains("--lanes 50: there are only 12 runs to do"), "{said}");
+    let mixed = ["--lanes", "12", "--env", "Point,MazeA", "--seeds", "0", "--steps", "40"];
+    let (priced, said) = price(&mixed);
+    assert!(said.contains("--lanes 12: no more than 6 of the 12 runs to do can share a cohort"), "{said}");
+    assert!(priced.contains("2 cohorts of up to 12 runs"), "{priced}");
 }
 
 /// Threads are made for runs, not for a number that somebody typed.

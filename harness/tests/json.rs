@@ -155,6 +155,8 @@ fn the_page_tells_what_profiles_and_the_gate_print() {
     check("goalbench profile --json", &printed(&profile));
     let beside = [&profile[..], &["--beside", "2", "--rounds", "1"]].concat();
     check("goalbench profile --beside --json", &printed(&beside));
+    let lanes = [&profile[..], &["--lanes", "2", "--rounds", "1"]].concat();
+    check("goalbench profile --lanes --json", &printed(&lanes));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let place = |name: &str| folder.path().join(name).to_str().expect("a test path is UTF-8").to_owned();
     let (protocol, baseline) = (place("p.toml"), place("b.json"));

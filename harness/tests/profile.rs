@@ -76,6 +76,30 @@ fn runs_beside_each_other_are_compared_with_one_alone() {
 }
 
 #[test]
+fn a_cohort_is_compared_with_a_run_alone() {
+    let found = json(&["--lanes", "3", "--rounds", "2"]);
+    assert_eq!((found["lanes"].as_u64(), found["cycles"].as_u64()), (Some(3), Some(3)));
+    for side in ["alone", "lockstep"] {
+        let parts = found[side]["clock_seconds_per_step"].as_object().expect("a table");
+        assert_eq!(parts.len(), 7);
+        for (name, seconds) in parts {
+            // What is left may be anything where networks are tiny.
+            assert!(name == "rest" || seconds.as_f64() > Some(0.0), "{side}, {name}: {seconds}");
+        }
+        let shares = found[side]["shares"].as_object().expect("a table");
+        let sum: f64 = shares.values().filter_map(Value::as_f64).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{found}");
+        let speeds = found[side]["steps_per_second"].as_array().expect("a list");
+        assert!(speeds.len() == 2 && speeds.iter().all(|speed| speed.as_f64() > Some(0.0)), "{found}");
+    }
+    assert!(found["gain"].as_f64() > Some(0.0), "{found}");
+    let text = stdout(&goalbench(&[TOY, &["--lanes", "2", "--rounds", "1"]].concat()));
+    for part in ["physics", "drawing", "learning", "teachers", "evaluating", "2 runs in lockstep are"] {
+        assert!(text.lines().any(|line| line.starts_with(part)), "{part} in\n{text}");
+    }
+}
+
+#[test]
 fn wrong_input_is_refused_with_what_is_accepted() {
     for (more, expected) in [
         (["--env", "point"], "--env: unknown environment `point`; did you mean `Point`?"),
@@ -85,9 +109,15 @@ fn wrong_input_is_refused_with_what_is_accepted() {
         (["--cycles", "0"], "--cycles"),
         (["--beside", "1"], "--beside"),
         (["--rounds", "2"], "--beside"),
+        (["--lanes", "0"], "a whole number from 2 to 1000"),
+        (["--lanes", "auto"], "a whole number from 2 to 1000"),
+        (["--env", "Point,MazeA"], "--env: `Point,MazeA` names several"),
+        (["--curriculum", "teach,vds"], "--curriculum: `teach,vds` names several"),
     ] {
         let output = goalbench(&[TOY, &more].concat());
         assert_eq!(output.status.code(), Some(2), "{more:?}");
         assert!(stderr(&output).contains(expected), "{more:?}: {}", stderr(&output));
     }
+    let both = goalbench(&[TOY, &["--lanes", "2", "--beside", "2"]].concat());
+    assert!(both.status.code() == Some(2) && stderr(&both).contains("--beside"), "{}", stderr(&both));
 }

@@ -98,7 +98,7 @@ impl Ddpg {
     /// A student for the task `spec` whose initial weights come from the run's `seed`.
     pub(crate) fn new(config: &StudentConfig, spec: &Spec, seed: u64) -> Result<Self, AgentError> {
         let config = config.clone().resolve(spec)?;
-        let arithmetic = Arithmetic { device: config.device.open()?, precision: config.precision };
+        let arithmetic = Arithmetic::of(&config)?;
         let dims = Dims::of(spec);
         let layers = config.layers(spec);
         let shape = |inputs, outputs, output| Shape { inputs, layers, width: config.width, outputs, output };

@@ -121,7 +121,7 @@ impl Ensemble {
         positive("ensemble.lr", config.lr)?;
         fraction("ensemble.polyak", config.polyak)?;
         let student = student.clone().resolve(spec)?;
-        let arithmetic = Arithmetic { device: student.device.open()?, precision: student.precision };
+        let arithmetic = Arithmetic::of(&student)?;
         let dims = Dims::of(spec);
         let discount = Discount { gamma: student.gamma(spec) };
         let (layers, width) = (student.layers(spec), student.width);

@@ -123,6 +123,9 @@ enum Command {
         /// Lanes that a GPU's products are made for
         #[arg(long, default_value_t = 1)]
         width: usize,
+        /// Let two halves of the cohort take turns between cores and device
+        #[arg(long)]
+        overlap: bool,
     },
     /// Carry out task INDEX of a submitted job array (what `run --executor slurm` submits)
     #[command(hide = true)]
@@ -141,8 +144,10 @@ enum Command {
     /// Measure how fast runs are, which are given as JSON lines (what `run --dry-run` starts)
     #[command(hide = true)]
     MeasureRuns {
-        /// How many at a time
+        /// Cohorts at a time
         parallel: usize,
+        /// Threads of each, at most
+        threads: usize,
     },
 }
 
@@ -174,9 +179,9 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Task { list, index } => run::task(&list, index),
         Command::TryCuda => local::device::try_cuda(),
         Command::TryRuns => trial::try_runs(&registry),
-        Command::MeasureRuns { parallel } => estimate::measure_runs(&registry, parallel),
-        Command::Worker { folders, tensorboard, discard_replay, threads, width } => {
-            let keeping = worker::Keeping { tensorboard, discard_replay, threads, width };
+        Command::MeasureRuns { parallel, threads } => estimate::measure_runs(&registry, parallel, threads),
+        Command::Worker { folders, tensorboard, discard_replay, threads, width, overlap } => {
+            let keeping = worker::Keeping { tensorboard, discard_replay, threads, width, overlap };
             let worked = worker::work(&registry, &folders, keeping);
             worked.errors.iter().for_each(complain_of);
             Ok(worked.code())

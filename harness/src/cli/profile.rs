@@ -5,7 +5,7 @@ use super::{Exit, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::error::HarnessError;
-use crate::profile::{beside, profile};
+use crate::profile::{beside, lockstep, profile};
 use crate::protocol::Protocol;
 use crate::protocol::plan::{Plan, PlannedRun};
 use crate::sweep::ExitCode;
@@ -13,7 +13,8 @@ use crate::sweep::ExitCode;
 #[derive(clap::Args)]
 #[command(
     after_help = "The matrix products of the updates are run alone after every cycle, in the same process, and told \
-    apart from the rest of the updates by subtraction. Times are those of one thread; other work on the machine disturbs them."
+    apart from the rest of the updates by subtraction. Times are those of one thread; other work on the machine disturbs them.\n\n\
+    With --lanes they are those of the clock, and runs in lockstep share as many threads as there are cores for them."
 )]
 pub(super) struct Args {
     /// Environment to train on
@@ -29,10 +30,13 @@ pub(super) struct Args {
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Profile N processes at once against one alone, instead of parts
-    #[arg(long, value_name = "N", value_parser = whole::<u16>(2..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(2..), group = "several")]
     beside: Option<u16>,
-    /// Rounds of --beside, one after the other
-    #[arg(long, value_name = "N", default_value_t = 3, requires = "beside", value_parser = whole::<u16>(1..))]
+    /// Profile N runs in lockstep, with as many seeds, against one alone: speeds, and where the time goes
+    #[arg(long, value_name = "N", value_parser = whole::<usize>(2..=1000), group = "several")]
+    lanes: Option<usize>,
+    /// Rounds of --beside or --lanes, one after the other
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "several", value_parser = whole::<u16>(1..))]
     rounds: u16,
     /// Print JSON
     #[arg(long)]
@@ -41,22 +45,33 @@ pub(super) struct Args {
 
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let planned = plan(registry, args)?;
-    let text = match args.beside {
-        Some(runs) => {
+    let (json, text) = match (args.beside, args.lanes) {
+        (Some(runs), _) => {
             let found = beside::beside(&arguments(args), runs, args.rounds)?;
-            if args.json { format!("{:#}\n", found.as_json()) } else { found.as_text() }
+            (found.as_json(), found.as_text())
         }
-        None => {
+        (None, Some(lanes)) => {
+            let found = lockstep(registry, &planned, lanes, args.cycles, args.rounds)?;
+            (found.as_json(), found.as_text())
+        }
+        (None, None) => {
             let found = profile(registry, &planned, args.cycles)?;
-            if args.json { format!("{:#}\n", found.as_json()) } else { found.as_text() }
+            (found.as_json(), found.as_text())
         }
     };
-    print(&text);
+    print(&if args.json { format!("{json:#}\n") } else { text });
     Ok(ExitCode::Success)
 }
 
 /// The run to be profiled, its names and config checked.
 fn plan(registry: &Registry, args: &Args) -> Result<PlannedRun, HarnessError> {
+    for (option, names) in [("--env", &args.environment), ("--curriculum", &args.curriculum)] {
+        if names.contains(',') {
+            let reason =
+                format!("`{names}` names several, and a profile is of one kind of run, with --lanes, too");
+            return Err(HarnessError::Argument { option, reason });
+        }
+    }
     if registry.environment(&args.environment).is_none() {
         let accepted = registry.environments().iter().map(|entry| entry.spec.id);
         return Err(HarnessError::unknown("--env: ", "environment", &args.environment, accepted));

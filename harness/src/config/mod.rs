@@ -330,7 +330,10 @@ fn check_ranges(config: &RunConfig, spec: &Spec) -> Result<(), FieldError> {
 /// The config with every default, `auto` kept: what `goalbench list config` prints.
 pub fn defaults(registry: &Registry) -> Table {
     let mut table = to_table(&PartialConfig::default());
-    table.insert("student".into(), Value::Table(to_table(&StudentConfig::preset(Preset::default()))));
+    let mut student = to_table(&StudentConfig::preset(Preset::default()));
+    // A run's own config leaves it out where it is false.
+    student.insert("tf32".into(), false.into());
+    table.insert("student".into(), Value::Table(student));
     let curricula =
         registry.curricula().iter().map(|entry| (entry.id.to_owned(), Value::Table((entry.defaults)())));
     table.insert("curriculum".into(), Value::Table(curricula.collect()));

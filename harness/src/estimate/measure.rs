@@ -1,8 +1,11 @@
-//! Measuring how fast runs are: a few cycles each, in a process of their own.
+//! Measuring how fast runs are: a few cycles each, alone or in lockstep, in a process of their own.
 
+use std::panic::resume_unwind;
+use std::sync::Mutex;
+use std::thread;
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
+use rayon::ThreadPool;
 use reports::schema::{Manifest, RunKey};
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +13,8 @@ use super::Speed;
 use crate::Registry;
 use crate::config::RunConfig;
 use crate::config::frontier::FrontierOptions;
-use crate::error::{HarnessError, chain};
+use crate::error::{HarnessError, ManifestError, chain};
+use crate::run::cohort::{Means, Observed};
 use crate::run::error::RunError;
 use crate::run::manifest;
 use crate::run::observer::{Observer, Stage};
@@ -24,13 +28,13 @@ const UPDATES: usize = 8;
 /// Episodes of a measured evaluation.
 const EPISODES: u64 = 2;
 
-/// A kind of run to be measured, a JSON line on the process' standard input.
+/// A kind of cohort to be measured, a JSON line on the process' standard input.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Subject {
     /// Which of the kinds it is.
     pub(super) index: usize,
-    /// A run of it.
-    pub(super) manifest: Manifest,
+    /// The runs of such a cohort, at least one.
+    pub(super) manifests: Vec<Manifest>,
 }
 
 /// What was measured, a JSON line each on its standard output.
@@ -42,61 +46,93 @@ pub(super) struct Measurement {
     pub(super) speed: Result<Speed, String>,
 }
 
-/// What `goalbench measure-runs` does: measures the kinds that its standard input names, `parallel` at a time
-/// and in their order, as a sweep would run them.
+/// What `goalbench measure-runs` does: measures the kinds that its standard input names, `parallel` at a
+/// time, each on up to `threads` threads, and in their order, as a sweep would run them.
 ///
 /// # Errors
 /// [`HarnessError::System`] if nobody asks or listens.
-pub fn measure_runs(registry: &Registry, parallel: usize) -> Result<ExitCode, HarnessError> {
+pub fn measure_runs(registry: &Registry, parallel: usize, threads: usize) -> Result<ExitCode, HarnessError> {
     errand::end_with_asker()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(parallel)
-        .start_handler(|_| agents::prepare_thread())
-        .build()
-        .map_err(HarnessError::system("start a thread per run"))?;
     let subjects: Vec<Subject> = errand::questions().collect::<Result<_, _>>()?;
-    // One at a time for each thread: the first are the ones that must not be missing.
+    // In order: the first are the ones that must not be missing. No thread of a pool hands them out: while
+    // one waits for another pool, it would begin with the next.
+    let next = Mutex::new(subjects.into_iter());
     let answers = || {
-        subjects.into_par_iter().with_max_len(1).try_for_each(|Subject { index, manifest }| {
-            errand::answer(&Measurement { index, speed: speed(registry, manifest) })
-        })
+        loop {
+            let subject = next.lock().expect("no holder of this lock panics").next();
+            let Some(Subject { index, manifests }) = subject else { return Ok(()) };
+            let pool = pool(threads.min(manifests.len()))?;
+            errand::answer(&Measurement { index, speed: speed(registry, &manifests, &pool) })?;
+        }
     };
-    pool.install(answers).map(|()| ExitCode::Success)
+    thread::scope(|scope| {
+        let started: Vec<_> = (0..parallel).map(|_| scope.spawn(answers)).collect();
+        let ended =
+            started.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        ended.collect::<Result<(), HarnessError>>().map(|()| ExitCode::Success)
+    })
 }
 
-fn speed(registry: &Registry, manifest: Manifest) -> Result<Speed, String> {
-    let run = &manifest.run;
+fn pool(threads: usize) -> Result<ThreadPool, HarnessError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .start_handler(|_| agents::prepare_thread())
+        .build()
+        .map_err(HarnessError::system("start the threads that measure runs"))
+}
+
+fn speed(registry: &Registry, manifests: &[Manifest], pool: &ThreadPool) -> Result<Speed, String> {
+    let [Manifest { run, .. }, ..] = manifests else { unreachable!("a cohort has a run") };
     let action = "be measured";
-    let measured =
-        manifest::config(&manifest).map_err(HarnessError::impossible(run, action)).and_then(|config| {
-            measure(registry, run.clone(), config).map_err(HarnessError::impossible(run, action))
-        });
+    let runs: Result<Vec<_>, ManifestError> =
+        manifests.iter().map(|manifest| Ok((manifest.run.clone(), manifest::config(manifest)?))).collect();
+    let measured = runs
+        .map_err(HarnessError::impossible(run, action))
+        .and_then(|runs| measure(registry, runs, pool).map_err(HarnessError::impossible(run, action)));
     measured.map_err(|error| chain(&error))
 }
 
-fn measure(registry: &Registry, run: RunKey, mut config: RunConfig) -> Result<Speed, RunError> {
-    let entry = registry.environment(&run.environment).expect("a plan only holds known names");
+fn measure(
+    registry: &Registry,
+    runs: Vec<(RunKey, RunConfig)>,
+    pool: &ThreadPool,
+) -> Result<Speed, RunError> {
+    let (key, config) = &runs[0];
+    let entry = registry.environment(&key.environment).expect("a plan only holds known names");
     let cycle = config.student.episodes_per_cycle() as u64 * entry.spec.horizon as u64;
-    config.budget.steps = CYCLES * cycle;
-    config.evaluation.every = config.budget.steps;
-    config.evaluation.episodes = EPISODES;
-    // Its episodes cost what those of evaluations do.
-    config.frontier = FrontierOptions::default();
-    // Nothing is learned in the warm-up, which is soon over; learning is what takes time.
-    config.student.warmup_episodes = 0;
     let updates = config.student.updates_per_cycle;
-    config.student.updates_per_cycle = UPDATES.min(updates);
-    let updates = updates as f64 / config.student.updates_per_cycle as f64;
-    let mut watch = Stopwatch::default();
-    // A teacher may ask for more rollouts than there are steps here; that no step is one errs on the safe
-    // side, for nobody learns in them.
-    Trainer::new(registry, run, config)?.without_rollouts().run(&mut watch)?;
-    let [first, .., last] = watch.cycles[..] else { unreachable!("{CYCLES} cycles were run") };
-    let learning = watch.learning.as_secs_f64();
-    let rest = (last - first - watch.evaluation_meanwhile).as_secs_f64() - learning;
+    let fewer = UPDATES.min(updates);
+    let lanes: Vec<Observed<Stopwatch>> = runs
+        .into_iter()
+        .map(|(key, mut config)| {
+            config.budget.steps = CYCLES * cycle;
+            config.evaluation.every = config.budget.steps;
+            config.evaluation.episodes = EPISODES;
+            // Its episodes cost what those of evaluations do.
+            config.frontier = FrontierOptions::default();
+            // Nothing is learned in the warm-up, which is soon over; learning is what takes time.
+            config.student.warmup_episodes = 0;
+            config.student.updates_per_cycle = fewer;
+            // A teacher may ask for more rollouts than there are steps here; that no step is one errs on the
+            // safe side, for nobody learns in them.
+            let trainer = Trainer::new(registry, key, config)?.without_rollouts();
+            Ok(Observed { trainer, observer: Stopwatch::default() })
+        })
+        .collect::<Result<_, RunError>>()?;
+    let (width, steps) = (lanes.len(), (CYCLES - 1) * cycle * lanes.len() as u64);
+    let watches = Observed::train(lanes, Means { pool: Some(pool), width, turns: None })?;
+    let sum = |of: fn(&Stopwatch) -> Duration| watches.iter().map(of).sum::<Duration>().as_secs_f64();
+    // The end of a cycle is that of its last lane; what lanes do side by side takes a thread's share of the
+    // clock. A lane's learning is its share already.
+    let end = |cycle: usize| watches.iter().map(|watch| watch.cycles[cycle]).max().expect("there is a lane");
+    let at_once = pool.current_num_threads() as f64;
+    let clock = (end(CYCLES as usize - 1) - end(0)).as_secs_f64();
+    let learning = sum(|watch| watch.learning);
+    let rest = clock - sum(|watch| watch.evaluation_meanwhile) / at_once - learning;
+    let episodes = watches.iter().map(|watch| watch.evaluations).sum::<u64>() * EPISODES;
     Ok(Speed {
-        per_step: (rest + learning * updates) / ((CYCLES - 1) * cycle) as f64,
-        per_episode: watch.evaluation.as_secs_f64() / (watch.evaluations * EPISODES) as f64,
+        per_step: (rest + learning * updates as f64 / fewer as f64) / steps as f64,
+        per_episode: sum(|watch| watch.evaluation) / at_once / episodes as f64,
     })
 }
 

@@ -1,8 +1,9 @@
-//! How long a plan would take on this machine: a few cycles of every kind of run, measured now.
+//! How long a plan would take on this machine: a few cycles of every kind of cohort, measured now. A run
+//! alone is a cohort of one.
 
 mod measure;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ use measure::{Measurement, Subject};
 
 pub use measure::measure_runs;
 
-/// What a run takes, on one core.
+/// What a run takes of its worker's clock: alone all of it, in a cohort its share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speed {
     /// Seconds per training step: physics, student and teacher.
@@ -45,38 +46,54 @@ impl Speed {
     }
 }
 
-/// Which runs are as fast as each other: those of one environment, curriculum and student. A curriculum's own
-/// options hardly change what it costs.
+/// Which cohorts are as fast as each other: those whose lanes are of one environment and have the same
+/// curricula and students. A curriculum's own options hardly change what it costs.
 type Kind = (String, String, String);
 
-fn kind(run: &PlannedRun) -> Kind {
-    let student = serde_json::to_string(&run.config.student).expect("a config is plain data");
-    (run.key.environment.clone(), run.key.curriculum.clone(), student)
+fn kind(cohort: &[PlannedRun]) -> Kind {
+    let student =
+        |run: &PlannedRun| serde_json::to_string(&run.config.student).expect("a config is plain data");
+    let mut curricula: Vec<&str> = cohort.iter().map(|run| run.key.curriculum.as_str()).collect();
+    curricula.sort_unstable();
+    let students: BTreeSet<String> = cohort.iter().map(student).collect();
+    let environment = cohort.first().map_or_else(String::new, |run| run.key.environment.clone());
+    (environment, curricula.join(" "), students.into_iter().collect())
 }
 
-/// Estimates of runs, from the speed of their kinds.
+/// How cohorts are measured: as a sweep would carry them out.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// Cohorts side by side.
+    pub workers: usize,
+    /// Threads of each, at most.
+    pub threads: usize,
+    /// How long that may take.
+    pub patience: Duration,
+}
+
+/// Estimates of cohorts, from the speed of their kinds.
 pub struct Estimates(BTreeMap<Kind, Speed>);
 
 impl Estimates {
-    /// Number of kinds among `runs`.
-    pub fn kinds(runs: &[PlannedRun]) -> usize {
-        in_order(runs).len()
+    /// Number of kinds among `cohorts`.
+    pub fn kinds(cohorts: &[Vec<PlannedRun>]) -> usize {
+        in_order(cohorts).len()
     }
 
-    /// Measures the kinds among `runs`, `parallel` at a time, as a sweep would run them: all of them, or as
-    /// many as come through within `patience`.
+    /// Measures the kinds among `cohorts`: all of them, or as many as come through in time.
     ///
     /// # Errors
     /// [`HarnessError::Trial`] naming a run that cannot be carried out here, [`HarnessError::Io`] if this
     /// program cannot be started a second time.
-    pub fn measure(runs: &[PlannedRun], parallel: usize, patience: Duration) -> Result<Self, HarnessError> {
-        let kinds = in_order(runs);
+    pub fn measure(cohorts: &[Vec<PlannedRun>], pace: Pace) -> Result<Self, HarnessError> {
+        let kinds = in_order(cohorts);
         let subjects: Vec<Subject> = kinds
             .iter()
             .enumerate()
-            .map(|(index, (_, run))| Subject { index, manifest: manifest(run) })
+            .map(|(index, (_, runs))| Subject { index, manifests: runs.iter().map(manifest).collect() })
             .collect();
-        let arguments = ["measure-runs".to_owned(), parallel.to_string()];
+        let Pace { workers, threads, patience } = pace;
+        let arguments = ["measure-runs".to_owned(), workers.to_string(), threads.to_string()];
         let Errand { answers, .. } = errand::ask::<Measurement>(&arguments, &subjects, patience)?;
         let measured = answers.into_iter().map(|Measurement { index, speed }| {
             let speed = speed.map_err(|reason| HarnessError::Trial { reason })?;
@@ -90,41 +107,41 @@ impl Estimates {
         self.0.len()
     }
 
-    /// Seconds that `run` takes from its beginning, on one core. If its kind was not measured, it counts as
-    /// fast as those most like it: of the same environment and curriculum, of either, or all. `None` if none
-    /// was measured.
-    pub fn seconds(&self, run: &PlannedRun) -> Option<f64> {
-        let wanted = kind(run);
+    /// Seconds that `cohort` takes from its beginning, by the clock of its worker. If its kind was not
+    /// measured, it counts as fast as those most like it: of the same environment and curricula, of either,
+    /// or all. `None` if none was measured.
+    pub fn seconds(&self, cohort: &[PlannedRun]) -> Option<f64> {
+        let wanted = kind(cohort);
         let like = |is_like: &dyn Fn(&Kind) -> bool| {
             let speeds: Vec<Speed> =
                 self.0.iter().filter(|(kind, _)| is_like(kind)).map(|(_, speed)| *speed).collect();
             Speed::mean(&speeds)
         };
         let same_environment = |kind: &Kind| kind.0 == wanted.0;
-        let same_curriculum = |kind: &Kind| kind.1 == wanted.1;
+        let same_curricula = |kind: &Kind| kind.1 == wanted.1;
         let speed = (self.0.get(&wanted).copied())
-            .or_else(|| like(&|kind| same_environment(kind) && same_curriculum(kind)))
+            .or_else(|| like(&|kind| same_environment(kind) && same_curricula(kind)))
             .or_else(|| like(&same_environment))
-            .or_else(|| like(&same_curriculum))
+            .or_else(|| like(&same_curricula))
             .or_else(|| like(&|_| true))?;
-        Some(speed.of_run(&run.config))
+        Some(cohort.iter().map(|run| speed.of_run(&run.config)).sum())
     }
 }
 
-/// The kinds among `runs`, with the first run of each: one of every environment and curriculum first, then a
-/// second of each, and so on, so that those measured first stand for all.
-fn in_order(runs: &[PlannedRun]) -> Vec<(Kind, &PlannedRun)> {
-    let mut kinds: BTreeMap<Kind, &PlannedRun> = BTreeMap::new();
-    for run in runs {
-        kinds.entry(kind(run)).or_insert(run);
+/// The kinds among `cohorts`, with the first cohort of each: one of every environment and its curricula
+/// first, then a second of each, and so on, so that those measured first stand for all.
+fn in_order(cohorts: &[Vec<PlannedRun>]) -> Vec<(Kind, &[PlannedRun])> {
+    let mut kinds: BTreeMap<Kind, &[PlannedRun]> = BTreeMap::new();
+    for cohort in cohorts {
+        kinds.entry(kind(cohort)).or_insert(cohort);
     }
     let mut seen: BTreeMap<(String, String), usize> = BTreeMap::new();
-    let mut ranked: Vec<(usize, (Kind, &PlannedRun))> = kinds
+    let mut ranked: Vec<(usize, (Kind, &[PlannedRun]))> = kinds
         .into_iter()
-        .map(|(kind, run)| {
+        .map(|(kind, cohort)| {
             let before = seen.entry((kind.0.clone(), kind.1.clone())).or_default();
             *before += 1;
-            (*before, (kind, run))
+            (*before, (kind, cohort))
         })
         .collect();
     ranked.sort_by_key(|(rank, _)| *rank);
@@ -156,7 +173,8 @@ mod tests {
             planned("Point", "teach", 16),
             planned("MazeA", "teach", 8),
             planned("Point", "vds", 8),
-        ];
+        ]
+        .map(|run| vec![run]);
         assert_eq!(in_order(&runs).len(), 4);
         let first: std::collections::BTreeSet<(String, String)> =
             in_order(&runs)[..3].iter().map(|(kind, _)| (kind.0.clone(), kind.1.clone())).collect();
@@ -169,12 +187,13 @@ mod tests {
         let measured =
             [(("Point", "teach", 8), 1.0), (("Point", "vds", 8), 3.0), (("MazeA", "space", 8), 10.0)];
         let measured = measured.map(|((environment, curriculum, width), per_step)| {
-            (kind(&planned(environment, curriculum, width)), speed(per_step))
+            (kind(&[planned(environment, curriculum, width)]), speed(per_step))
         });
         let estimates = Estimates(measured.into_iter().collect());
         let per_step = |environment, curriculum, width| {
             let run = planned(environment, curriculum, width);
-            estimates.seconds(&run).expect("some were measured") / run.config.budget.steps as f64
+            let steps = run.config.budget.steps as f64;
+            estimates.seconds(&[run]).expect("some were measured") / steps
         };
         for (found, expected) in [
             (per_step("Point", "teach", 8), 1.0),
@@ -185,7 +204,22 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
-        assert_eq!(Estimates(BTreeMap::new()).seconds(&planned("Point", "teach", 8)), None);
+        assert_eq!(Estimates(BTreeMap::new()).seconds(&[planned("Point", "teach", 8)]), None);
+    }
+
+    #[test]
+    fn a_cohort_is_of_its_lanes_kind_and_takes_what_they_take() {
+        let [teach, vds] = ["teach", "vds"].map(|curriculum| planned("Point", curriculum, 8));
+        let two = |one: &PlannedRun, other: &PlannedRun| vec![one.clone(), other.clone()];
+        assert_eq!(kind(&two(&teach, &vds)), kind(&two(&vds, &teach)));
+        assert_ne!(kind(&two(&teach, &vds)), kind(&two(&teach, &teach)));
+        assert_ne!(kind(&two(&teach, &teach)), kind(std::slice::from_ref(&teach)));
+        let mut short = vds.clone();
+        short.config.budget.steps = teach.config.budget.steps / 2;
+        let speed = Speed { per_step: 0.5, per_episode: 0.0 };
+        let estimates = Estimates([(kind(&two(&teach, &vds)), speed)].into_iter().collect());
+        let expected = 0.75 * teach.config.budget.steps as f64;
+        assert_eq!(estimates.seconds(&two(&short, &teach)), Some(expected));
     }
 
     #[test]

@@ -6,12 +6,14 @@
 
 pub mod beside;
 mod costs;
+mod lockstep;
 mod memory;
 mod watch;
 
 use agents::{ProductRates, Products};
 
 pub use costs::{CostPart, Costs, Memory, RunProfile, Size};
+pub use lockstep::{Lockstep, LockstepCosts, lockstep};
 
 use crate::Registry;
 use crate::config::frontier::FrontierOptions;

@@ -1,5 +1,7 @@
 //! Which runs are carried out together: a worker trains the runs of a cohort in lockstep.
 
+use reports::wording::counted;
+
 use super::job::Job;
 
 /// The cohorts of `jobs`, each as indices of its runs, in the order in which they are started. At most
@@ -19,6 +21,21 @@ pub fn cohorts(jobs: &[Job], lanes: usize) -> Vec<Vec<usize>> {
         }
     }
     cohorts
+}
+
+/// What is to be said where no cohort of the `open` runs can have as many lanes as were asked for.
+pub fn fewer_than<'a>(lanes: usize, open: impl Iterator<Item = &'a Job>) -> Option<String> {
+    let open: Vec<Job> = open.cloned().collect();
+    let most = cohorts(&open, lanes).iter().map(Vec::len).max()?;
+    let runs = counted(open.len(), "run");
+    match most {
+        _ if most >= lanes => None,
+        _ if most == open.len() => Some(format!("--lanes {lanes}: there are only {runs} to do")),
+        _ => Some(format!(
+            "--lanes {lanes}: no more than {most} of the {runs} to do can share a cohort, whose runs are of one \
+             environment and whose students' gradient steps are alike"
+        )),
+    }
 }
 
 /// Whether two runs can be lanes of one cohort.
@@ -61,6 +78,20 @@ mod tests {
         let plan = Plan::new(&protocol, &registry).expect("a plan");
         let sweep = Sweep::survey(&plan, Path::new("/nonexistent/results"), false).expect("nothing there");
         sweep.jobs().to_vec()
+    }
+
+    #[test]
+    fn lanes_that_nobody_can_fill_are_told_of() {
+        let jobs = jobs();
+        // 8 runs of each environment keep step.
+        assert_eq!(fewer_than(8, jobs.iter()), None);
+        let said = fewer_than(9, jobs.iter()).expect("too many");
+        assert!(said.starts_with("--lanes 9: no more than 8 of the 24 runs to do"), "{said}");
+        let two = &jobs[..2];
+        let most = cohorts(two, 2).iter().map(Vec::len).max();
+        let said = fewer_than(3, two.iter()).expect("too many");
+        assert_eq!(said.contains("there are only 2 runs to do"), most == Some(2), "{said}");
+        assert_eq!(fewer_than(3, [].iter()), None);
     }
 
     #[test]

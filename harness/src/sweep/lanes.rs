@@ -106,6 +106,21 @@ impl Lanes {
     }
 }
 
+impl Decided {
+    /// Refuses `--overlap` where there is no cohort to halve.
+    ///
+    /// # Errors
+    /// [`HarnessError::Argument`] for a single lane.
+    pub fn check_overlap(&self) -> Result<(), HarnessError> {
+        if self.lanes > 1 {
+            return Ok(());
+        }
+        let reason =
+            "two halves of a cohort take turns, and here every run goes alone; give --lanes 2 or more, too";
+        Err(HarnessError::Argument { option: "--overlap", reason: reason.to_owned() })
+    }
+}
+
 fn refused(reason: &str) -> HarnessError {
     HarnessError::Argument { option: "--lanes", reason: format!("give a number: {reason}") }
 }

@@ -41,6 +41,8 @@ pub struct Request {
     pub chunk: usize,
     /// Runs in a cohort, at most.
     pub lanes: usize,
+    /// Whether the two halves of a cohort take turns between cores and device.
+    pub overlap: bool,
     /// Whether tasks need a GPU.
     pub gpu: bool,
     /// How often a run whose worker crashed is begun again from its checkpoint.
@@ -80,6 +82,8 @@ struct Tasks {
     /// Runs in lockstep, at most.
     #[serde(default = "alone")]
     lanes: usize,
+    #[serde(default)]
+    overlap: bool,
     tasks: Vec<Vec<PathBuf>>,
 }
 
@@ -142,8 +146,9 @@ pub(super) fn submit(
     let tasks = cohorts
         .chunks(request.chunk.max(1))
         .map(|chunk| chunk.iter().flatten().map(|&index| relative(&jobs[index])).collect());
-    let Request { retries, tensorboard, discard_replay, lanes, .. } = *request;
-    let tasks = Tasks { results, retries, tensorboard, discard_replay, lanes, tasks: tasks.collect() };
+    let Request { retries, tensorboard, discard_replay, lanes, overlap, .. } = *request;
+    let tasks = tasks.collect();
+    let tasks = Tasks { results, retries, tensorboard, discard_replay, lanes, overlap, tasks };
     let list = folder.join("tasks.json");
     write_json(&list, &tasks).map_err(HarnessError::io(&list, "write this file"))?;
     let script = folder.join("task.sh");
@@ -275,7 +280,7 @@ pub(super) struct Share {
 /// [`HarnessError`] if the list or a run's folder is not what was submitted.
 pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
     let missing = |reason: String| HarnessError::Missing { path: list.to_owned(), reason };
-    let Tasks { results, retries, tensorboard, discard_replay, lanes, tasks } =
+    let Tasks { results, retries, tensorboard, discard_replay, lanes, overlap, tasks } =
         read_json(list)?.ok_or_else(|| missing("there is no such file".into()))?;
     let count = tasks.len();
     let folders =
@@ -283,7 +288,8 @@ pub(super) fn share(list: &Path, index: usize) -> Result<Share, HarnessError> {
     let jobs = folders.iter().map(|folder| job(&results.join(folder))).collect::<Result<_, _>>()?;
     // Slurm confines a task to the processors that it was given.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let conduct = Conduct { retries, tensorboard, discard_replay, ..Conduct::share(cores.min(lanes), lanes) };
+    let shared = Conduct::share(cores.min(lanes), lanes);
+    let conduct = Conduct { retries, tensorboard, discard_replay, overlap, ..shared };
     Ok(Share { results, jobs, conduct })
 }
 

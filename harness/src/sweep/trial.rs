@@ -116,7 +116,7 @@ fn begin(registry: &Registry, manifest: Manifest, on_cpu: bool) -> Result<(), Ha
     // One instance of the environment shows what twenty would.
     config.evaluation.episodes = 1;
     if on_cpu {
-        config.student.device = Device::Cpu;
+        config.student = config.student.on(Device::Cpu);
     }
     match Trainer::new(registry, run.clone(), config) {
         // This machine has no memory for it, or lost a device: the run fails alone, and may go better

@@ -3,47 +3,88 @@
 use std::path::Path;
 use std::time::Duration;
 
+use agents::Device;
 use reports::wording::{counted, counted_u64};
 
+use super::{Args, Executor, conduct, decide};
+use crate::Registry;
 use crate::cli::{Exit, complain, print};
-use crate::estimate::Estimates;
+use crate::error::HarnessError;
+use crate::estimate::{Estimates, Pace};
 use crate::pace::{self, human};
 use crate::protocol::plan::{Plan, PlannedRun};
 use crate::sweep::cohort::cohorts;
-use crate::sweep::{Conduct, ExitCode, Job, Sweep};
+use crate::sweep::{Conduct, ExitCode, Job, Sweep, local};
 
-/// How long speeds are measured; what takes longer is estimated from the rest.
+/// How long speeds are measured on a device; what takes longer is estimated from the rest.
 const PATIENCE: Duration = Duration::from_secs(45);
 
-/// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take.
-pub(super) fn dry_run(plan: &Plan, sweep: &Sweep, results: &Path, conduct: Conduct) -> Exit {
-    let parallel = conduct.threads.saturating_mul(conduct.workers).min(sweep.open().count().max(1));
-    print(&describe(plan, sweep, results));
-    if conduct.lanes > 1 {
-        let together = cohorts(sweep.jobs(), conduct.lanes);
-        let open = together.iter().filter(|cohort| sweep.jobs()[cohort[0]].is_open()).count();
-        print(&format!(
-            "{} of up to {} in lockstep, {} at a time\n",
-            counted(open, "cohort"),
-            counted(conduct.lanes, "run"),
-            conduct.workers.min(open.max(1))
-        ));
+/// Prints the plan, then measures how fast each kind of run is here and prints what the open runs would take:
+/// on the cores and, where one can be used, on the GPU, whichever the plan asks for.
+pub(super) fn dry_run(registry: &Registry, args: &Args, plan: &Plan, sweep: &Sweep, results: &Path) -> Exit {
+    let gpu = local::device::try_out();
+    let needs_gpu = sweep.open().any(|job| job.config.student.device == Device::Cuda);
+    if gpu.is_ok() || !needs_gpu || args.executor == Executor::Slurm {
+        // So that it refuses what would be refused.
+        decide(registry, args, sweep.open())?;
     }
-    let open = sweep.jobs().iter().zip(&plan.runs).filter(|(job, _)| job.is_open());
-    let open: Vec<PlannedRun> = open.map(|(_, run)| run.clone()).collect();
-    if open.is_empty() {
+    print(&describe(plan, sweep, results));
+    if sweep.open().next().is_none() {
         return Ok(ExitCode::Success);
     }
-    let (kinds, patience) = (Estimates::kinds(&open), PATIENCE.as_secs());
+    for device in [Device::Cpu, Device::Cuda] {
+        match (device, &gpu) {
+            (Device::Cuda, Err(HarnessError::Device { reason })) => {
+                let needs =
+                    "what they would take on a GPU can only be measured on one, and none can be used here";
+                print(&format!("{needs}: {reason}\n"));
+                continue;
+            }
+            (Device::Cuda, Err(_)) => return gpu.map(|()| ExitCode::Success),
+            _ => {}
+        }
+        let open = sweep.jobs().iter().zip(&plan.runs).filter(|(job, _)| job.is_open());
+        let (jobs, runs): (Vec<Job>, Vec<PlannedRun>) = open.map(|open| on(device, open)).unzip();
+        let lanes = args.lanes.decide(registry, jobs.iter(), false)?;
+        if let Some(note) = &lanes.note {
+            complain(&format!("goalbench: {note}"));
+        }
+        let conduct = conduct(args, &lanes, jobs.len());
+        let cohorts = cohorts(&jobs, conduct.lanes);
+        let cohorts = cohorts.iter().map(|cohort| cohort.iter().map(|&index| runs[index].clone()).collect());
+        price(device, &cohorts.collect::<Vec<_>>(), conduct)?;
+    }
+    Ok(ExitCode::Success)
+}
+
+/// The same run with its student on `device`.
+fn on(device: Device, (job, run): (&Job, &PlannedRun)) -> (Job, PlannedRun) {
+    let (mut job, mut run) = (job.clone(), run.clone());
+    for config in [&mut job.config, &mut run.config] {
+        config.student = config.student.clone().on(device);
+    }
+    (job, run)
+}
+
+/// Prints what `cohorts` would take on `device`, where they live already.
+fn price(device: Device, cohorts: &[Vec<PlannedRun>], conduct: Conduct) -> Result<(), HarnessError> {
+    let workers = conduct.workers.min(cohorts.len());
+    let unit = if conduct.lanes > 1 { "cohort" } else { "run" };
+    if conduct.lanes > 1 {
+        let (all, most) = (counted(cohorts.len(), unit), counted(conduct.lanes, "run"));
+        print(&format!("{all} of up to {most} in lockstep, {workers} at a time\n"));
+    }
+    let (kinds, patience) = (Estimates::kinds(cohorts), PATIENCE.as_secs());
     complain(&format!(
-        "goalbench: measuring the speed of {} of run, three cycles each, for at most {patience} s",
+        "goalbench: measuring the speed of {} of {unit}, three cycles each, for at most {patience} s",
         counted(kinds, "kind")
     ));
-    let estimates = Estimates::measure(&open, parallel, PATIENCE)?;
+    let pace = Pace { workers, threads: conduct.threads, patience: PATIENCE };
+    let estimates = Estimates::measure(cohorts, pace)?;
     match estimates.measured() {
         0 => {
             complain("goalbench: none came through in that time, so there is no estimate");
-            return Ok(ExitCode::Success);
+            return Ok(());
         }
         measured if measured < kinds => complain(&format!(
             "goalbench: {measured} of {} came through in that time; the others count as fast as those most like them",
@@ -51,21 +92,33 @@ pub(super) fn dry_run(plan: &Plan, sweep: &Sweep, results: &Path, conduct: Condu
         )),
         _ => {}
     }
-    let seconds: Vec<f64> = open.iter().filter_map(|run| estimates.seconds(run)).collect();
+    let seconds: Vec<f64> = cohorts.iter().filter_map(|cohort| estimates.seconds(cohort)).collect();
     let longest = seconds.iter().copied().fold(0.0, f64::max);
     let total: f64 = seconds.iter().sum();
-    // No schedule is shorter than its longest run.
-    let wall = (total / parallel as f64).max(longest);
+    // No schedule is shorter than its longest part.
+    let wall = (total / workers as f64).max(longest);
     let time = |seconds: f64| human(pace::seconds(seconds));
-    print(&format!(
-        "at this machine's speed, from their beginning: {:.1} core-hours ({}), {} with {parallel} side by side; longest \
-         run {}\n",
-        total / 3600.0,
-        time(total),
-        time(wall),
-        time(longest),
-    ));
-    Ok(ExitCode::Success)
+    print(&match device {
+        Device::Cpu => {
+            let threads = |cohort: &Vec<PlannedRun>| conduct.threads.min(cohort.len()) as f64;
+            let cores: f64 = cohorts.iter().map(threads).zip(&seconds).map(|(n, time)| n * time).sum();
+            format!(
+                "at this machine's speed, from their beginning: {:.1} core-hours ({}), {} with {workers} side by side; \
+                 longest {unit} {}\n",
+                cores / 3600.0,
+                time(cores),
+                time(wall),
+                time(longest),
+            )
+        }
+        Device::Cuda => format!(
+            "on this machine's GPU, from their beginning: {:.1} GPU-hours ({}); longest {unit} {}\n",
+            total / 3600.0,
+            time(total),
+            time(longest)
+        ),
+    });
+    Ok(())
 }
 
 /// The plan as text: a line per cell with its seeds and steps, then the sums.

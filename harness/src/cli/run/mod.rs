@@ -18,6 +18,7 @@ use crate::memory;
 use crate::outputs;
 use crate::protocol::plan::Plan;
 use crate::protocol::{Protocol, copy};
+use crate::sweep::cohort::fewer_than;
 use crate::sweep::lanes::Decided;
 use crate::sweep::slurm::{self, Request};
 use crate::sweep::{Conduct, ExitCode, Job, Lanes, Preparation, Prepared, Sweep, local, reporter};
@@ -56,6 +57,11 @@ pub(super) struct Args {
     /// as fit the memory on a GPU. They are of one environment, and their students' gradient steps are alike
     #[arg(long, value_name = "N|auto", default_value = "auto")]
     lanes: Lanes,
+    /// Let two halves of each cohort take turns: one plays its episodes on the cores while the other learns
+    /// on the device. Meant for a GPU, which would wait otherwise; on a CPU, whose cores do both, little is
+    /// gained
+    #[arg(long)]
+    overlap: bool,
     /// How often a run whose worker crashed is begun again from its checkpoint
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(..))]
     retries: u32,
@@ -187,12 +193,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     if args.executor == Executor::Local && !args.dry_run {
         sweep.check_device().map_err(HarnessError::flag("--device"))?;
     }
-    let lanes = args.lanes.decide(registry, sweep.open(), args.executor == Executor::Slurm)?;
+    if args.dry_run {
+        return dry::dry_run(registry, args, &plan, &sweep, &results);
+    }
+    let lanes = decide(registry, args, sweep.open())?;
     if let Some(note) = &lanes.note {
         complain(&format!("goalbench: {note}"));
-    }
-    if args.dry_run {
-        return dry::dry_run(&plan, &sweep, &results, conduct(args, &lanes, sweep.open().count()));
     }
     match args.executor {
         Executor::Local => {
@@ -227,13 +233,31 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     }
 }
 
+/// How many of the `open` runs go in lockstep; says so where that is fewer than were asked for.
+fn decide<'a>(
+    registry: &Registry,
+    args: &Args,
+    open: impl Iterator<Item = &'a Job> + Clone,
+) -> Result<Decided, HarnessError> {
+    let decided = args.lanes.decide(registry, open.clone(), args.executor == Executor::Slurm)?;
+    if args.overlap {
+        decided.check_overlap()?;
+    }
+    if let (Lanes::Number(lanes), Some(note)) = (args.lanes, fewer_than(decided.lanes, open))
+        && lanes > 1
+    {
+        complain(&format!("goalbench: {note}"));
+    }
+    Ok(decided)
+}
+
 /// How `open` runs are carried out here.
 fn conduct(args: &Args, lanes: &Decided, open: usize) -> Conduct {
     // No more threads than there are runs, whatever number was asked for.
     let threads = args.jobs.for_runs(open);
     let shared = Conduct::share(threads, lanes.lanes);
-    let Args { retries, tensorboard, discard_replay, .. } = *args;
-    let conduct = Conduct { retries, tensorboard, discard_replay, ..shared };
+    let Args { retries, tensorboard, discard_replay, overlap, .. } = *args;
+    let conduct = Conduct { retries, tensorboard, discard_replay, overlap, ..shared };
     // There is one GPU, and its cohort takes all the threads there are.
     if lanes.gpu { Conduct { workers: 1, threads, ..conduct } } else { conduct }
 }
@@ -283,6 +307,7 @@ fn submit(sweep: &Prepared, name: &str, args: &Args, lanes: &Decided, extra: Vec
         at_once: args.slurm.at_once,
         chunk: args.slurm.chunk.map_or(1, usize::from),
         lanes: lanes.lanes,
+        overlap: args.overlap,
         gpu: lanes.gpu,
         retries: args.retries,
         tensorboard: args.tensorboard,

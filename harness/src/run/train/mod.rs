@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use agents::{Agent, AgentError, Cohort, CohortLane, Episode, Mode};
+use agents::{Agent, AgentError, Cohort, CohortLane, Device, Episode, Mode};
 use curricula::{Curriculum, Lesson, ProposedGoal, Setting};
 use envs::rng::Purpose;
 use envs::{GoalEnv, Goals, Rows, draw_pool};
@@ -184,8 +184,14 @@ impl Trainer {
     /// [`RunError`] with what broke down.
     pub fn run(&mut self, observer: &mut (dyn Observer + Send)) -> Result<End, RunError> {
         let mut end = None;
-        cohort::train(vec![cohort::Borrowed(self, observer)], 1, |_, result| end = Some(result));
+        let means = cohort::Means { pool: None, width: 1, turns: None };
+        cohort::train(vec![cohort::Borrowed(self, observer)], means, |_, result| end = Some(result));
         end.expect("every lane comes to an end")
+    }
+
+    /// Where its student learns.
+    pub fn device(&self) -> Device {
+        self.config.student.device
     }
 
     /// What its student learns in beside `width` - 1 others.

@@ -24,6 +24,8 @@ pub struct Conduct {
     pub lanes: usize,
     /// Threads of a worker.
     pub threads: usize,
+    /// Whether the two halves of a cohort take turns between cores and device.
+    pub overlap: bool,
     /// How often a run whose worker crashed is begun again from its checkpoint.
     pub retries: u32,
     /// Whether each run keeps a TensorBoard event file.
@@ -37,7 +39,9 @@ impl Conduct {
     pub fn share(cores: usize, lanes: usize) -> Self {
         let threads = lanes.clamp(1, cores.max(1));
         let workers = (cores / threads).max(1);
-        Self { workers, lanes: lanes.max(1), threads, retries: 0, tensorboard: false, discard_replay: false }
+        let (lanes, retries) = (lanes.max(1), 0);
+        let (overlap, tensorboard, discard_replay) = (false, false, false);
+        Self { workers, lanes, threads, overlap, retries, tensorboard, discard_replay }
     }
 
     /// Runs at a time, of `open` that are to be done.

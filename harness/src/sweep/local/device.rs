@@ -10,15 +10,23 @@ use crate::sweep::job::Job;
 
 /// Refuses jobs for a device that is not usable here.
 ///
-/// A process of its own tries the device: a GPU's driver holds memory for every process that has ever used
-/// it, and this one may live for days.
-///
 /// # Errors
 /// [`HarnessError::Device`] saying what is missing.
 pub(in crate::sweep) fn check<'a>(mut jobs: impl Iterator<Item = &'a Job>) -> Result<(), HarnessError> {
     if jobs.all(|job| job.config.student.device == agents::Device::Cpu) {
         return Ok(());
     }
+    try_out()
+}
+
+/// Whether students can live on a GPU here.
+///
+/// A process of its own tries the device: a GPU's driver holds memory for every process that has ever used
+/// it, and this one may live for days.
+///
+/// # Errors
+/// [`HarnessError::Device`] saying what is missing.
+pub fn try_out() -> Result<(), HarnessError> {
     let program = this_program()?;
     let output = Command::new(program)
         .arg("try-cuda")

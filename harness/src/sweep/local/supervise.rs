@@ -89,11 +89,13 @@ impl Supervisor<'_> {
 
     /// Lets one worker carry out `runs`, and takes in what became of each.
     fn attempt(&self, runs: &mut [&mut Followed<'_>]) {
-        let Conduct { tensorboard, discard_replay, threads, lanes, .. } = self.conduct;
+        let Conduct { tensorboard, discard_replay, threads, lanes, overlap, .. } = self.conduct;
         let mut command = Command::new(self.program);
         // A process group of its own: Ctrl-C reaches this process alone, which then tells the workers.
         command.arg0("goalbench").arg("worker").process_group(0);
-        for (flag, given) in [("--tensorboard", tensorboard), ("--discard-replay", discard_replay)] {
+        let flags =
+            [("--tensorboard", tensorboard), ("--discard-replay", discard_replay), ("--overlap", overlap)];
+        for (flag, given) in flags {
             if given {
                 command.arg(flag);
             }

@@ -104,6 +104,11 @@ impl WorkerLane {
         (self.index, self.folder.clone())
     }
 
+    /// Whether its student learns on a GPU.
+    pub(super) fn is_on_gpu(&self) -> bool {
+        self.trainer.device() == agents::Device::Cuda
+    }
+
     /// Records how the run ended, or tells that a signal stopped it: it can go on later.
     pub(super) fn close(self, result: Result<End, RunError>) -> Result<ExitCode, HarnessError> {
         let Self { index, folder, manifest, discard_replay, trainer, observer, lock } = self;

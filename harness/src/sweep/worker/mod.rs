@@ -21,7 +21,7 @@ use super::event::{Event, Told};
 use super::exit::ExitCode;
 use crate::Registry;
 use crate::error::{HarnessError, chain};
-use crate::run::cohort;
+use crate::run::cohort::{self, Means};
 use crate::run::error::RunError;
 use crate::run::folder;
 use lane::{Opened, WorkerLane};
@@ -40,6 +40,8 @@ pub struct Keeping {
     pub threads: usize,
     /// Lanes that a GPU's products are made for, however many runs there are.
     pub width: usize,
+    /// Whether two halves of the cohort take turns between cores and device.
+    pub overlap: bool,
 }
 
 /// What a worker came to.
@@ -123,11 +125,7 @@ fn carry_out(
     set_parent_process_death_signal(Some(Signal::TERM))
         .map_err(HarnessError::system("listen for the parent's death"))?;
     agents::prepare_thread();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(keeping.threads)
-        .start_handler(|_| agents::prepare_thread())
-        .build()
-        .map_err(HarnessError::system("start the threads of a worker"))?;
+    let pool = pool(keeping.threads)?;
     let stop = stop_flag().map_err(HarnessError::system("listen for signals"))?;
     let patience = Instant::now() + LOCK_PATIENCE;
     let mut lanes = Vec::new();
@@ -138,13 +136,31 @@ fn carry_out(
             Err(error) => worked.note(index, folder, Err(error)),
         }
     }
-    pool.install(|| {
-        cohort::train(lanes, keeping.width, |lane, result| {
-            let (index, folder) = lane.place();
-            worked.note(index, &folder, lane.close(result));
-        });
-    });
+    let on_gpu = lanes.first().is_some_and(WorkerLane::is_on_gpu);
+    let ended = |lane: WorkerLane, result| {
+        let (index, folder) = lane.place();
+        worked.note(index, &folder, lane.close(result));
+    };
+    if keeping.overlap {
+        // Batches for a GPU that waits must not queue behind the other half's episodes. A CPU has no more
+        // cores for two pools than for one.
+        let other = on_gpu.then(|| self::pool(keeping.threads)).transpose()?;
+        let pools = [&pool, other.as_ref().unwrap_or(&pool)];
+        cohort::train_in_turns(lanes, pools, keeping.width, ended);
+    } else {
+        let means = Means { pool: Some(&pool), width: keeping.width, turns: None };
+        cohort::train(lanes, means, ended);
+    }
     Ok(())
+}
+
+/// So many threads for what lanes do.
+fn pool(threads: usize) -> Result<rayon::ThreadPool, HarnessError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .start_handler(|_| agents::prepare_thread())
+        .build()
+        .map_err(HarnessError::system("start the threads of a worker"))
 }
 
 /// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to
