@@ -5,10 +5,11 @@ use super::{Artefact, Drawing, Repeated, Section, columns};
 use crate::analysis::frontier::coverage::SOLVED;
 use crate::analysis::frontier::map;
 use crate::analysis::frontier::sight::{INTERMEDIATE, MeasureSight, SightSummary};
+use crate::analysis::shadow::agreement::MeanStd;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
-use crate::render::table::cells::{UNDEFINED, decimal, with_spread};
+use crate::render::table::cells::{UNDEFINED, decimal, or_undefined, with_spread};
 use crate::render::table::{Column, Sheet};
 use crate::schema::{Frontier, RunKey};
 use crate::stats;
@@ -26,12 +27,22 @@ pub(super) const MAPS: Artefact = Artefact::figures("frontier", Section::Environ
 
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
-    let rows: Vec<SightSummary> =
-        groups.filter_map(|group| SightSummary::of(group, &analysis.frontier)).collect();
-    let columns = [
+    let rows: Vec<SightSummary> = groups.flat_map(|group| SightSummary::of(group, analysis)).collect();
+    let teacher = Column::text(
+        "teacher",
+        "curriculum id of the teacher whose weights and proposals are judged: `curriculum`, which acted, or a shadow",
+        |row: &SightSummary| row.teacher.id.clone(),
+    );
+    let is_watched = rows.iter().any(SightSummary::is_shadow);
+    let title = |row: &SightSummary| match row.is_shadow() {
+        true => format!("{} (watched)", row.teacher.title),
+        false => row.teacher.title.clone(),
+    };
+    let mut columns = vec![
         columns::environment(|row: &SightSummary| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
+        if is_watched { teacher.named("Teacher", title) } else { teacher },
         Column::count(
             "n_measured",
             "seeds with a measure of the frontier after training had begun",
@@ -44,31 +55,79 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             |row: &SightSummary| row.intermediate,
         )
         .shown("Goals of intermediate success", |row| decimal(row.intermediate)),
-        Column::count("n_auc", "seeds with an AUC", |row: &SightSummary| row.n_auc as u64),
-        Column::real(
-            "auc",
-            "area under the ROC curve of the teacher's weights for the goals of intermediate success, mean over measures, \
-             then over seeds; empty where the teacher has no weights, or no measure has goals of both kinds",
-            |row: &SightSummary| row.auc,
-        )
-        .shown("AUC of the weights", |row| with_spread(row.auc, row.auc_std)),
-        Column::real("auc_std", "its standard deviation over seeds; empty for fewer than two", |row: &SightSummary| {
-            row.auc_std
-        }),
     ];
-    Sheet::of(caption(), &rows, &columns)
+    let proposed = Column::real(
+        "proposed",
+        "share of the goals that the teacher proposed since the evaluation before that have intermediate success, mean \
+         likewise; a goal from elsewhere counts as the nearest of the pool; empty where no shadow watched",
+        |row: &SightSummary| row.proposed,
+    );
+    let title = "Proposals at such goals";
+    columns.push(if is_watched {
+        proposed.shown(title, |row: &SightSummary| or_undefined(row.proposed, decimal))
+    } else {
+        proposed
+    });
+    columns.push(Column::count("n_auc", "seeds with an AUC", |row: &SightSummary| row.n_auc as u64));
+    columns.extend(areas());
+    Sheet::of(caption(is_watched), &rows, &columns)
 }
 
-fn caption() -> String {
+/// The areas: over all measures, over those of each third, and what became of them.
+fn areas() -> Vec<Column<'static, SightSummary>> {
+    const STD: &str = "its standard deviation over seeds; empty for fewer than two";
+    type Of = fn(&SightSummary) -> MeanStd;
+    let area = |name: &'static str, std: &'static str, title: &'static str, meaning: &'static str, of: Of| {
+        let mean = Column::real(name, meaning, move |row: &SightSummary| of(row).0);
+        let shown = move |row: &SightSummary| with_spread(of(row).0, of(row).1);
+        let mean = if title.is_empty() { mean } else { mean.shown(title, shown) };
+        [mean, Column::real(std, STD, move |row: &SightSummary| of(row).1)]
+    };
+    let columns = [
+        area(
+            "auc",
+            "auc_std",
+            "AUC of the weights",
+            "area under the ROC curve of the teacher's weights for the goals of intermediate success, mean over measures, \
+             then over seeds; empty where the teacher has no weights, or no measure has goals of both kinds",
+            |row| row.auc,
+        ),
+        area("auc_1", "auc_1_std", "First third", "the same in the first third of a run", |row| {
+            row.auc_by_third[0]
+        }),
+        area("auc_2", "auc_2_std", "", "in the second third", |row| row.auc_by_third[1]),
+        area("auc_3", "auc_3_std", "Last third", "in the last third", |row| row.auc_by_third[2]),
+        area(
+            "auc_change",
+            "auc_change_std",
+            "Change",
+            "that of the last third less that of the first, mean over the seeds that have both",
+            |row| row.auc_change,
+        ),
+    ];
+    columns.into_iter().flatten().collect()
+}
+
+fn caption(is_watched: bool) -> String {
+    let watched = if is_watched {
+        " Several teachers saw each student: the one that acted, and those that only watched. Proposals at such goals: share \
+         of the goals that a teacher proposed since the evaluation before, played or not, that had intermediate success in \
+         the measure; a goal that is not of the pool counts as the nearest that is. A teacher that draws evenly comes near \
+         the share of such goals."
+    } else {
+        ""
+    };
     format!(
         "Whether teachers see the frontier. At some evaluations the student's success at every goal of the pool was measured in \
          episodes that neither budget nor teacher hears of. Goals of intermediate success: share of the goals whose \
          measured success p has p(1 - p) above {INTERMEDIATE}. AUC of the weights: the probability that the teacher gave \
          such a goal more weight than another one at that moment, ties one half; 0.50 for a teacher that does not tell \
          them apart, 1.00 where all of them weigh more than all others, below 0.50 where it prefers goals that are \
-         mastered or out of reach. Means over measures, the untrained student's left out, then over seeds ± standard \
-         deviation; {UNDEFINED} for teachers that do not weigh the pool. Few episodes per goal make goals look \
-         intermediate, or not, by chance, which pulls the AUC towards 0.50."
+         mastered or out of reach; then the same over the measures of the first and of the last third of a run, and the \
+         difference of the two where a run has both. Means over measures, the untrained student's left out, then over \
+         seeds ± standard deviation; {UNDEFINED} for teachers that do not weigh the pool, and where no measure of that third \
+         has goals of both kinds. Few episodes per goal make goals look intermediate, or not, by chance, which pulls the \
+         AUC towards 0.50.{watched}"
     )
 }
 
@@ -120,7 +179,7 @@ fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 }
 
 fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
-    let maps = map::maps(analysis.groups, &analysis.frontier, &analysis.catalogue().mazes);
+    let maps = map::maps(analysis);
     let mut drawings = Vec::new();
     for (index, frontier) in maps.iter().enumerate() {
         let id = &frontier.maze.id;
