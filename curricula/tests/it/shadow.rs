@@ -36,7 +36,7 @@ fn what_a_shadow_hears_counts_for_the_goal_that_was_played() {
         let [mut one, mut other] = [class(id, config), class(id, config)];
         // The two propose other goals, and hear the same.
         other.rng = stream(7, Purpose::Teacher);
-        let mut differ = false;
+        let (mut differ, mut heard) = (false, false);
         for episode in 0..60usize {
             let mut goal = one.setting.pool.row(episode % 3).to_vec();
             if episode % 2 == 1 {
@@ -50,9 +50,9 @@ fn what_a_shadow_hears_counts_for_the_goal_that_was_played() {
             other.learn();
             let weights = [&one, &other].map(Class::weights);
             assert_eq!(weights[0], weights[1], "{id} after {episode} episodes: by what it proposed itself");
+            heard |= weights[0].windows(2).any(|pair| pair[0] != pair[1]);
         }
         assert!(differ, "{id}: the test needs other proposals");
-        let heard = one.weights().windows(2).any(|pair| pair[0] != pair[1]);
-        assert!(heard, "{id} has heard nothing: {:?}", one.weights());
+        assert!(heard, "{id} has heard nothing");
     }
 }

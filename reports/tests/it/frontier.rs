@@ -131,7 +131,9 @@ fn tables_data_and_maps_by_hand() {
         read("frontier.csv").lines().next(),
         Some(
             "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_auc,auc,auc_std,auc_1,auc_1_std,\
-             auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std"
+             auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std,border,border_proposed,n_border_auc,border_auc,\
+             border_auc_std,border_auc_1,border_auc_1_std,border_auc_2,border_auc_2_std,border_auc_3,border_auc_3_std,\
+             border_auc_change,border_auc_change_std"
         )
     );
     // Seed 0: (1 + (0 + 0 + 1/2) / 3) / 2. Seed 1: in both measures one goal of four; in the second it is the
@@ -144,10 +146,14 @@ fn tables_data_and_maps_by_hand() {
             &[Some(2.0), Some(0.25), None, Some(2.0), Some((zero + one) / 2.0), Some(std)][..],
             // The first measure lies in the second third of the run, the other one in the last.
             &[None, None, Some(1.0), Some(0.0), Some(5.0 / 12.0), Some(0.5 / f64::sqrt(2.0)), None, None],
+            // All four goals together have 7, 11, 7 and 2 of 20: all of them intermediate but for the last.
+            &[Some(0.75), None, Some(0.0)],
+            &[None; 10],
         ]
         .concat(),
     );
-    let nothing = [&[Some(1.0), Some(0.0), None, Some(0.0)][..], &[None; 10]].concat();
+    let none = [&[Some(0.0), None, Some(0.0)][..], &[None; 10]].concat();
+    let nothing = [&[Some(1.0)][..], &none, &none].concat();
     close(&numbers("frontier.csv", "moss"), &nothing);
     assert!(numbers("frontier.csv", "dull").is_empty());
     assert_eq!(

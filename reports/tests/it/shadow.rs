@@ -103,11 +103,13 @@ fn an_ended_run_has_the_shadows_that_it_ended_with() {
     assert_eq!(problems(), [altered]);
 }
 
+/// A goal in each cell of a maze of two by two.
+const GOALS: [[f32; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
+
 /// Two seeds of a teacher, each watched by one with weights and one without.
 #[test]
 fn tables_data_and_maps_by_hand() {
     let results = TempDir::new().unwrap();
-    let goals = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
     let acting = [0.4, 0.3, 0.2, 0.1];
     let run = |seed: u64, lines: &[Shadowing]| {
         let folder = write_run(results.path(), &key("Four", "nova", "default", seed), &[0.0, 0.5, 0.5, 0.5]);
@@ -127,7 +129,7 @@ fn tables_data_and_maps_by_hand() {
             step: 1_000 * eval_index,
             episodes: 5,
             successes: successes.to_vec(),
-            goals: (eval_index == 0).then(|| goals.map(Vec::from).to_vec()),
+            goals: (eval_index == 0).then(|| GOALS.map(Vec::from).to_vec()),
             weights: Some(acting.to_vec()),
         };
         let measures = [measure(0, [0; 4]), measure(1, [2, 0, 0, 5]), measure(3, [5, 5, 0, 3])];
@@ -187,8 +189,9 @@ fn tables_data_and_maps_by_hand() {
     assert_eq!(lines.len(), 2 * 4 * 2);
     assert!(lines.contains(&"Four,nova,default,0,3000,3,wren,4,0,2,-1.0,0.0,no".to_owned()), "{lines:?}");
     assert!(lines.contains(&"Four,nova,default,1,2000,2,moss,4,4,1,,,no".to_owned()), "{lines:?}");
-    assert!(report.join("shadows.parquet").is_file() && report.join("figures/frontier-Four.svg").is_file());
-    assert!(report.join("figures/agreement-Four.svg").is_file());
+    for file in ["shadows.parquet", "figures/frontier-Four.svg", "figures/agreement-Four.svg"] {
+        assert!(report.join(file).is_file(), "{file}");
+    }
     let page = read("index.html");
     assert!(page.contains("What other teachers would have done") && page.contains("WREN (watched)"));
     let dictionary = read("DATA.md");
