@@ -124,7 +124,7 @@ fn draw_third(
                 let value = matrix.correlation((a, b), third);
                 let colour = value.map_or(WHITE, |value| scale::colour(f64::midpoint(value, 1.0)));
                 root.draw(&Rectangle::new(square, colour.filled()))?;
-                let ink = if value.is_some_and(|value| value > 0.0) { &WHITE } else { &BLACK };
+                let ink = if value.is_some_and(|value| value > 0.3) { &WHITE } else { &BLACK };
                 let text = value.map_or("–".to_owned(), decimal);
                 let at = (corner.0 + cell / 2, corner.1 + cell / 2);
                 root.draw_text(&text, &style(VALUE).color(ink), at)?;
