@@ -2,6 +2,8 @@
 
 use envs::Goals;
 
+use crate::played::nearest_goal;
+
 /// The pool, cut into regions of nearly as many goals each.
 ///
 /// A cell is cut across the dimension in which its goals spread most, relative to the whole pool; goals that
@@ -50,6 +52,13 @@ impl Regions {
     /// The region of the goal with this index.
     pub fn of(&self, goal: usize) -> usize {
         self.of[goal]
+    }
+
+    /// The region that an episode towards `goal`, shape `[G]`, tells of: the `proposed` one if one of its goals is
+    /// that, else the region of the goal of the pool that is nearest. `pool` is the one that was cut.
+    pub(crate) fn told_of(&self, pool: &Goals, goal: &[f64], proposed: Option<usize>) -> usize {
+        let holds_it = |region: &usize| self.members(*region).iter().any(|&member| pool.row(member) == goal);
+        proposed.filter(holds_it).unwrap_or_else(|| self.of(nearest_goal(pool, goal)))
     }
 
     /// The goals of a region by rising index.

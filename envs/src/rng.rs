@@ -35,6 +35,8 @@ pub enum Purpose {
     Rollout(u64),
     /// Start states of the episodes that measure every goal of the pool at the evaluation with this index.
     Frontier(u64),
+    /// The seed of everything that a shadow teacher draws; the number stands for its curriculum.
+    Shadow(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.
     FinalEvaluation,
@@ -54,6 +56,7 @@ impl Purpose {
             Self::Diagnosis(index) => ("diagnosis", index),
             Self::Rollout(index) => ("rollout", index),
             Self::Frontier(index) => ("frontier", index),
+            Self::Shadow(index) => ("shadow", index),
             Self::FinalEvaluation => ("final-evaluation", 0),
         }
     }
@@ -115,6 +118,8 @@ mod tests {
             (Purpose::Rollout(7), 0x394f_3fd4_e9ac_fb95),
             (Purpose::Frontier(0), 0x6565_2da3_6df6_dcaf),
             (Purpose::Frontier(7), 0xd850_1606_e3e0_dd57),
+            (Purpose::Shadow(0), 0x26d6_efcb_9324_a42f),
+            (Purpose::Shadow(7), 0xe91e_9df1_a334_1e82),
             (Purpose::FinalEvaluation, 0x9433_8273_70ad_d441_u64),
         ];
         for (purpose, expected) in keys {

@@ -108,7 +108,7 @@ pub struct GoidState {
     history: History,
     /// Whether a region has been of intermediate difficulty at some time.
     earlier: Vec<bool>,
-    /// The region of the episode that is being played.
+    /// The region of the goal that was proposed for the coming episode.
     playing: Option<usize>,
     curriculum: Distribution,
 }
@@ -197,10 +197,9 @@ impl Method for Goid {
     }
 
     fn observe(&self, state: &mut GoidState, episode: &Episode) -> Result<(), CurriculumError> {
-        if let Some(region) = state.playing.take() {
-            state.history.push(region, episode.success);
-            state.earlier[region] |= self.is_good(&state.history, region);
-        }
+        let region = self.regions.told_of(&self.pool, &episode.goal, state.playing.take());
+        state.history.push(region, episode.success);
+        state.earlier[region] |= self.is_good(&state.history, region);
         Ok(())
     }
 

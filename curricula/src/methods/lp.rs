@@ -97,7 +97,7 @@ pub struct Lp {
 pub struct LpState {
     /// How episodes ended, by region.
     history: History,
-    /// The region of the episode that is being played.
+    /// The region of the goal that was proposed for the coming episode.
     playing: Option<usize>,
     curriculum: Distribution,
 }
@@ -164,9 +164,8 @@ impl Method for Lp {
     }
 
     fn observe(&self, state: &mut LpState, episode: &Episode) -> Result<(), CurriculumError> {
-        if let Some(region) = state.playing.take() {
-            state.history.push(region, episode.success);
-        }
+        let region = self.regions.told_of(&self.pool, &episode.goal, state.playing.take());
+        state.history.push(region, episode.success);
         Ok(())
     }
 

@@ -30,9 +30,11 @@
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 
+use std::sync::Arc;
+
 use agents::{Critic, Episode};
-use envs::Reward;
 use envs::rng::Rng;
+use envs::{Goals, Reward};
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -42,6 +44,7 @@ use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::method::Method;
+use crate::played::told_of;
 use crate::snapshot;
 use crate::state::PlainState;
 
@@ -173,8 +176,7 @@ fn normalise(weights: &mut [f64]) {
 /// The PLR teacher.
 pub struct Plr {
     config: PlrConfig,
-    /// N.
-    pool: usize,
+    pool: Arc<Goals>,
 }
 
 /// Everything that changes while teaching.
@@ -182,10 +184,10 @@ pub struct Plr {
 pub struct PlrState {
     /// The score of every goal, shape `[N]`; `None` as long as none of its episodes has one.
     scores: Vec<Option<f64>>,
-    /// Episodes so far, and how many there were when each goal was last drawn, shape `[N]`.
+    /// Episodes so far, and how many there were when each goal was last played, shape `[N]`.
     episodes: u64,
     drawn_at: Vec<u64>,
-    /// The goal of the episode that is being played.
+    /// The goal that was proposed for the coming episode.
     playing: Option<usize>,
     /// The goals of the last episodes, which have no score yet, in order.
     awaiting: Vec<usize>,
@@ -246,17 +248,17 @@ impl Method for Plr {
     }
 
     fn build(config: PlrConfig, setting: &Setting) -> Result<Self, CurriculumError> {
-        Ok(Self { config, pool: setting.pool.len() })
+        Ok(Self { config, pool: Arc::clone(&setting.pool) })
     }
 
     fn begin(&self, _setting: &Setting) -> Result<PlrState, CurriculumError> {
         Ok(PlrState {
-            scores: vec![None; self.pool],
+            scores: vec![None; self.pool.len()],
             episodes: 0,
-            drawn_at: vec![0; self.pool],
+            drawn_at: vec![0; self.pool.len()],
             playing: None,
             awaiting: Vec::new(),
-            curriculum: Distribution::uniform(self.pool),
+            curriculum: Distribution::uniform(self.pool.len()),
         })
     }
 
@@ -264,13 +266,14 @@ impl Method for Plr {
         state.curriculum = Distribution::proportional(&state.weights(&self.config), 0.0, "replay weight")?;
         let goal = state.curriculum.draw(lesson.rng);
         state.episodes += 1;
-        state.drawn_at[goal] = state.episodes;
         state.playing = Some(goal);
         Ok(Proposal::pool(goal).scored(state.scores[goal]))
     }
 
-    fn observe(&self, state: &mut PlrState, _episode: &Episode) -> Result<(), CurriculumError> {
-        state.awaiting.extend(state.playing.take());
+    fn observe(&self, state: &mut PlrState, episode: &Episode) -> Result<(), CurriculumError> {
+        let goal = told_of(&self.pool, &episode.goal, state.playing.take());
+        state.drawn_at[goal] = state.episodes;
+        state.awaiting.push(goal);
         Ok(())
     }
 
@@ -301,10 +304,12 @@ impl Method for Plr {
     }
 
     fn check_state(&self, state: &PlrState) -> Result<(), CurriculumError> {
-        snapshot::require_goals(state.scores.len(), self.pool)?;
-        snapshot::require_goals(state.drawn_at.len(), self.pool)?;
+        snapshot::require_goals(state.scores.len(), self.pool.len())?;
+        snapshot::require_goals(state.drawn_at.len(), self.pool.len())?;
         let goals = || state.awaiting.iter().chain(&state.playing);
-        if goals().any(|&goal| goal >= self.pool) || state.drawn_at.iter().any(|&at| at > state.episodes) {
+        if goals().any(|&goal| goal >= self.pool.len())
+            || state.drawn_at.iter().any(|&at| at > state.episodes)
+        {
             return Err(snapshot::refuse("episodes that the pool or the run has not had"));
         }
         Ok(())

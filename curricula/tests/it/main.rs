@@ -17,6 +17,7 @@ mod process;
 mod procurl;
 mod registry;
 mod sfl;
+mod shadow;
 mod space;
 mod standstill;
 mod support;

@@ -13,6 +13,7 @@ pub mod notes;
 pub mod reference;
 pub mod schema;
 pub mod seeds;
+pub mod shadow;
 pub mod streams;
 pub mod strict;
 pub mod words;
@@ -53,9 +54,18 @@ pub struct RunConfig {
     /// Seeds of single random streams.
     #[serde(default)]
     pub seed: StreamSeeds,
+    /// Curricula whose teachers watch the student as shadows: they hear of every episode and every update, as the
+    /// teacher that acts does, and propose a goal for every episode, which nobody plays. With and without them a
+    /// run trains, and records everything else, in the same way. `all` stands for every curriculum that has all it
+    /// needs; the one that acts is left out.
+    ///
+    /// Source: a choice.
+    // Empty it leaves no trace in manifests: runs keep the hashes that they had before this field.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shadow: Vec<String>,
     /// The student's hyper-parameters, every `auto` that stands for a number replaced by it.
     pub student: StudentConfig,
-    /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`.
+    /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`, and that of each shadow under its.
     #[schemars(with = "()")]
     pub curriculum: Table,
 }
@@ -141,6 +151,7 @@ struct PartialConfig {
     physics: PhysicsOptions,
     pool: Pool,
     seed: StreamSeeds,
+    shadow: Vec<String>,
     student: Table,
     curriculum: Table,
 }
@@ -165,9 +176,9 @@ impl Default for PartialEvaluation {
     }
 }
 
-/// The names of the config's top-level tables.
-pub const SECTIONS: [&str; 8] =
-    ["budget", "evaluation", "frontier", "physics", "pool", "seed", "student", "curriculum"];
+/// The names of the config's top-level tables and fields.
+pub const SECTIONS: [&str; 9] =
+    ["budget", "evaluation", "frontier", "physics", "pool", "seed", "shadow", "student", "curriculum"];
 
 /// Puts the config of one run together from `layers`, low to high.
 ///
@@ -200,6 +211,17 @@ fn try_resolve(
     fit(registry.config_schema(), &mut table, "")?;
     let written: PartialConfig = strict::read(table, "")?;
     let student = read_student(written.student, spec)?;
+    let curricula = read_curricula(&written.curriculum, registry)?;
+    let table_of = |entry: &CurriculumEntry| &curricula[entry.id];
+    let lacks = |entry: &CurriculumEntry| lacking(entry, table_of(entry)).is_some();
+    let shadow = shadow::read(&written.shadow, registry, curriculum, lacks)?;
+    let mut own = Table::new();
+    for entry in registry.curricula() {
+        if entry.id == curriculum.id || shadow.iter().any(|id| id == entry.id) {
+            lacking(entry, table_of(entry)).map_or(Ok(()), Err)?;
+            own.insert(entry.id.to_owned(), table_of(entry).clone());
+        }
+    }
     let config = RunConfig {
         budget: Budget { steps: written.budget.steps.value_or(|| spec.defaults.steps) },
         evaluation: Evaluation {
@@ -211,7 +233,8 @@ fn try_resolve(
         physics: written.physics,
         pool: written.pool,
         seed: written.seed,
-        curriculum: read_curricula(written.curriculum, registry, curriculum)?,
+        shadow,
+        curriculum: own,
         student,
     };
     check_ranges(&config, spec)?;
@@ -234,22 +257,22 @@ fn read_student(written: Table, spec: &Spec) -> Result<StudentConfig, FieldError
     })
 }
 
-/// Checks every curriculum's table and keeps the one that the run uses, completed.
-fn read_curricula(written: Table, registry: &Registry, own: &CurriculumEntry) -> Result<Table, FieldError> {
+/// The table of every curriculum, checked and completed.
+fn read_curricula(written: &Table, registry: &Registry) -> Result<Table, FieldError> {
+    let mut tables = Table::new();
     for entry in registry.curricula() {
-        if let Some(Value::Table(table)) = written.get(entry.id) {
-            complete(entry, table)?;
-        }
+        let empty = Table::new();
+        let table = written.get(entry.id).and_then(Value::as_table).unwrap_or(&empty);
+        tables.insert(entry.id.to_owned(), Value::Table(complete(entry, table)?));
     }
-    let own_table = match written.get(own.id) {
-        Some(Value::Table(table)) => complete(own, table)?,
-        _ => complete(own, &Table::new())?,
-    };
-    if let Some(field) = own.needs.filter(|field| own_table.get(*field) == (own.defaults)().get(*field)) {
-        let reason = format!("must be set: curriculum `{}` has no default for it", own.id);
-        return Err(field_error(&format!("curriculum.{}", own.id), field, &reason));
-    }
-    Ok(Table::from_iter([(own.id.to_owned(), Value::Table(own_table))]))
+    Ok(tables)
+}
+
+/// What a curriculum whose config is `table` cannot teach without, if that is not set.
+fn lacking(entry: &CurriculumEntry, table: &Value) -> Option<FieldError> {
+    let field = entry.needs.filter(|field| table.get(*field) == (entry.defaults)().get(*field))?;
+    let reason = format!("must be set: curriculum `{}` has no default for it", entry.id);
+    Some(field_error(&format!("curriculum.{}", entry.id), field, &reason))
 }
 
 fn complete(entry: &CurriculumEntry, written: &Table) -> Result<Table, FieldError> {

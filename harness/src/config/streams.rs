@@ -30,7 +30,7 @@ pub struct StreamSeeds {
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub replay: Auto<u64>,
-    /// What the teacher draws, the initial weights of its own networks, and its probe rollouts.
+    /// What the teacher draws, the initial weights of its own networks, and its probe rollouts; the same of shadows.
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub teacher: Auto<u64>,
@@ -77,7 +77,7 @@ impl StreamSeeds {
             Purpose::Environment => self.environment,
             Purpose::Exploration => self.exploration,
             Purpose::Replay | Purpose::Diagnosis(_) => self.replay,
-            Purpose::Teacher | Purpose::Rollout(_) => self.teacher,
+            Purpose::Teacher | Purpose::Rollout(_) | Purpose::Shadow(_) => self.teacher,
             Purpose::Pool => self.pool,
             Purpose::Evaluation(_) | Purpose::Frontier(_) => self.evaluation,
             // Comes after training, with a seed of its own: that of `goalbench evaluate`.
@@ -109,6 +109,7 @@ mod tests {
             Purpose::Evaluation(4),
             Purpose::Diagnosis(4),
             Purpose::Frontier(4),
+            Purpose::Shadow(4),
         ] {
             assert_eq!(seeds.stream(7, purpose), stream(7, purpose), "{purpose:?}");
         }

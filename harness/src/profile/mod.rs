@@ -46,6 +46,7 @@ pub fn profile(registry: &Registry, run: &PlannedRun, cycles: u64) -> Result<Run
     config.budget.steps = size.steps;
     config.evaluation.every = size.steps;
     config.frontier = FrontierOptions::default();
+    config.shadow.clear();
     // Nothing is learned in a warm-up; what is measured here comes after it.
     config.student.warmup_episodes = 0;
 

@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::plan::{Plan, PlannedRun};
 use super::{Patch, Protocol};
+use crate::config::shadow;
 
 /// A sentence for each part of a document that none of its own runs can use.
 pub(super) fn of_document(protocol: &Protocol) -> Vec<String> {
@@ -17,7 +18,7 @@ pub(super) fn of_document(protocol: &Protocol) -> Vec<String> {
             Some(format!("{}: {what} changes nothing: {why}", patch.layer.origin.place(&[])))
         })
         .collect();
-    for id in options_of(&protocol.base.table).filter(|id| !has(&protocol.curricula, id)) {
+    for id in options_of(&protocol.base.table).filter(|id| !is_used(protocol, id)) {
         let place = protocol.base.origin.place(&["curriculum", id]);
         notes.push(format!("{place}: curriculum.{id} changes nothing: no run has this curriculum"));
     }
@@ -36,7 +37,8 @@ fn why_idle(protocol: &Protocol, patch: &Patch) -> Option<String> {
     }
     let curricula = if patch.curricula.is_empty() { &protocol.curricula } else { &patch.curricula };
     let foreign = only_options_of(&patch.layer.table)?;
-    let idle = !foreign.iter().any(|id| has(curricula, id) && has(&protocol.curricula, id));
+    let is_used = |id: &&str| (has(curricula, id) && has(&protocol.curricula, id)) || watches(protocol, id);
+    let idle = !foreign.iter().any(is_used);
     idle.then(|| {
         format!("it sets options of {}, which is the curriculum of none of its runs", foreign.join(" and "))
     })
@@ -51,7 +53,7 @@ impl Protocol {
         let mut notes = self.idle_in_document.clone();
         for layer in &self.options {
             if let Some(ids) = only_options_of(&layer.table)
-                && !ids.iter().any(|id| has(&self.curricula, id))
+                && !ids.iter().any(|id| is_used(self, id))
             {
                 let place = layer.origin.place(&[]);
                 notes.push(format!(
@@ -63,6 +65,18 @@ impl Protocol {
         notes.extend(alike(plan));
         notes
     }
+}
+
+/// Whether the curriculum `id` acts or watches in some run of `protocol`.
+fn is_used(protocol: &Protocol, id: &str) -> bool {
+    has(&protocol.curricula, id) || watches(protocol, id)
+}
+
+/// Whether some part of `protocol` makes the curriculum `id` a shadow.
+fn watches(protocol: &Protocol, id: &str) -> bool {
+    let variants = protocol.variants.iter().map(|variant| &variant.patch.layer);
+    let layers = protocol.overrides.iter().map(|patch| &patch.layer).chain(variants);
+    layers.chain(&protocol.options).chain([&protocol.base]).any(|layer| shadow::names(&layer.table, id))
 }
 
 /// A sentence for every set of variants that have one config for a curriculum.

@@ -158,6 +158,12 @@ impl Protocol {
     pub fn set(&mut self, layer: ConfigLayer) {
         self.options.push(layer);
     }
+
+    /// The same with a layer that names shadows: these may use what no run would use without them.
+    pub fn watch(&mut self, layer: ConfigLayer) {
+        self.set(layer);
+        self.idle_in_document = idle::of_document(self);
+    }
 }
 
 /// Reads the parts of a protocol document; its errors name the line.

@@ -1,5 +1,7 @@
 //! A plan: the runs that a protocol stands for, each with its complete config.
 
+use std::collections::BTreeMap;
+
 use reports::schema::RunKey;
 
 use super::{DEFAULT_VARIANT, Protocol, Variant};
@@ -20,6 +22,8 @@ pub struct PlannedRun {
     pub program: String,
     /// Version of its curriculum.
     pub curriculum_version: String,
+    /// Versions of its shadows, by curriculum id.
+    pub shadow_versions: BTreeMap<String, String>,
 }
 
 /// Runs in the order in which they are started: seed by seed, so that a partial sweep has all cells.
@@ -44,14 +48,16 @@ impl Plan {
             for curriculum in &protocol.curricula {
                 for (label, variant) in variants(protocol, environment, curriculum) {
                     let config = resolve(protocol, registry, environment, curriculum, variant)?;
-                    let version = config::curriculum_version(registry, curriculum, &config);
-                    cells.push((environment, curriculum, label, config, version));
+                    let version = |id: &String| config::curriculum_version(registry, id, &config);
+                    let shadows = config.shadow.iter().map(|id| (id.clone(), version(id))).collect();
+                    let versions: (String, BTreeMap<_, _>) = (version(curriculum), shadows);
+                    cells.push((environment, curriculum, label, config, versions));
                 }
             }
         }
         let program = &program::described(registry.program());
         let runs = protocol.seeds.iter().flat_map(|&seed| {
-            cells.iter().map(move |(environment, curriculum, label, config, version)| PlannedRun {
+            cells.iter().map(move |(environment, curriculum, label, config, versions)| PlannedRun {
                 key: RunKey {
                     environment: (*environment).clone(),
                     curriculum: (*curriculum).clone(),
@@ -60,7 +66,8 @@ impl Plan {
                 },
                 config: config.clone(),
                 program: program.clone(),
-                curriculum_version: version.clone(),
+                curriculum_version: versions.0.clone(),
+                shadow_versions: versions.1.clone(),
             })
         });
         let plan = Self { name: protocol.name.clone(), runs: runs.collect() };

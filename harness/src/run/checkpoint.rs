@@ -12,16 +12,20 @@ use agents::{Seal, SealError};
 use reports::schema::Manifest;
 use reports::store::checksums::is_hash_of;
 pub use reports::store::layout::{CHECKPOINT, REPLAY};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::folder::{CommonExtent, Extent};
-use super::state::{TrainerState, TrainingState};
+use super::folder::{CommonExtent, Extent, MeasuredExtent};
+use super::state::{ProbedState, TrainerState, TrainingState};
 use crate::error::HarnessError;
 use crate::files::new_file;
 
-const SEAL: Seal = Seal { magic: *b"GBCK", version: 6, what: "a checkpoint" };
+const SEAL: Seal = Seal { magic: *b"GBCK", version: 7, what: "a checkpoint" };
 
-/// The version of programs that did not measure the frontier: their runs can still be used.
+/// The version of programs without shadows: their runs can still be used.
+const WITHOUT_SHADOWS: Seal = Seal { version: 6, ..SEAL };
+
+/// The version of programs that did not measure the frontier either.
 const WITHOUT_FRONTIER: Seal = Seal { version: 5, ..SEAL };
 
 /// The version of programs without probe rollouts either.
@@ -40,26 +44,37 @@ pub struct Checkpoint {
 
 /// The same as earlier programs wrote it.
 #[derive(Deserialize)]
-struct EarlierCheckpoint<T> {
+struct EarlierCheckpoint<T, P> {
     run: String,
     trainer: T,
-    progress: CommonExtent,
+    progress: P,
 }
 
-impl<T: Into<TrainerState>> From<EarlierCheckpoint<T>> for Checkpoint {
-    fn from(EarlierCheckpoint { run, trainer, progress }: EarlierCheckpoint<T>) -> Self {
-        Self { run, trainer: trainer.into(), progress: progress.into() }
+impl<T: Into<ProbedState>, P: Into<Extent>> From<EarlierCheckpoint<T, P>> for Checkpoint {
+    fn from(EarlierCheckpoint { run, trainer, progress }: EarlierCheckpoint<T, P>) -> Self {
+        Self { run, trainer: trainer.into().into(), progress: progress.into() }
     }
 }
 
 /// The checkpoint that `bytes` are.
 fn open(bytes: &[u8]) -> Result<Checkpoint, SealError> {
+    /// What a program of an earlier version wrote.
+    fn earlier<T, P>(seal: Seal, bytes: &[u8]) -> Result<Checkpoint, SealError>
+    where
+        T: DeserializeOwned + Into<ProbedState>,
+        P: DeserializeOwned + Into<Extent>,
+    {
+        seal.open::<EarlierCheckpoint<T, P>>(bytes).map(Checkpoint::from)
+    }
     match SEAL.open(bytes) {
+        Err(SealError::Version { found, .. }) if found == WITHOUT_SHADOWS.version => {
+            earlier::<ProbedState, MeasuredExtent>(WITHOUT_SHADOWS, bytes)
+        }
         Err(SealError::Version { found, .. }) if found == WITHOUT_FRONTIER.version => {
-            WITHOUT_FRONTIER.open::<EarlierCheckpoint<TrainerState>>(bytes).map(Checkpoint::from)
+            earlier::<ProbedState, CommonExtent>(WITHOUT_FRONTIER, bytes)
         }
         Err(SealError::Version { found, .. }) if found == WITHOUT_ROLLOUTS.version => {
-            WITHOUT_ROLLOUTS.open::<EarlierCheckpoint<TrainingState>>(bytes).map(Checkpoint::from)
+            earlier::<TrainingState, CommonExtent>(WITHOUT_ROLLOUTS, bytes)
         }
         opened => opened,
     }
@@ -169,8 +184,10 @@ mod tests {
         };
         let progress = CommonExtent::default();
         let four = WITHOUT_ROLLOUTS.close(&("hash", &training(), &progress));
-        let five = WITHOUT_FRONTIER.close(&("hash", &TrainerState::from(training()), &progress));
-        for bytes in [four, five] {
+        let probed = || ProbedState::from(training());
+        let five = WITHOUT_FRONTIER.close(&("hash", &probed(), &progress));
+        let six = WITHOUT_SHADOWS.close(&("hash", &probed(), &MeasuredExtent::default()));
+        for bytes in [four, five, six] {
             let read = open(&bytes).expect("a checkpoint of an earlier version");
             let steps = (read.trainer.step(), read.trainer.training_steps());
             assert_eq!((read.run.as_str(), steps), ("hash", (200, 200)));
@@ -180,6 +197,6 @@ mod tests {
             assert_eq!(again.trainer.step(), 200);
         }
         let unknown = Seal { version: 3, ..SEAL }.close(&0u8);
-        assert!(matches!(open(&unknown), Err(SealError::Version { found: 3, own: 6, .. })));
+        assert!(matches!(open(&unknown), Err(SealError::Version { found: 3, own: 7, .. })));
     }
 }

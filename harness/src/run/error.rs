@@ -25,6 +25,17 @@ pub enum RunError {
         /// Goals in the pool.
         size: usize,
     },
+    /// What a shadow answered cannot be used; the run itself is well.
+    #[error(transparent)]
+    Shadow(Box<dyn std::error::Error + Send + Sync>),
+    /// The checkpoint is that of a run with other shadows.
+    #[error("the checkpoint holds the shadows [{found}], but the run has [{own}]")]
+    OtherShadows {
+        /// Those of the checkpoint.
+        found: String,
+        /// Those of the run.
+        own: String,
+    },
     /// The student's experience cannot be kept; the run itself is well.
     #[error("cannot save a checkpoint")]
     Unsaved(#[source] AgentError),

@@ -32,6 +32,8 @@ fn versions_of(run: &PlannedRun) -> BTreeMap<String, String> {
     let mut versions = versions();
     versions.insert(PROGRAM.to_owned(), run.program.clone());
     versions.insert(CURRICULUM.to_owned(), run.curriculum_version.clone());
+    let shadows = run.shadow_versions.iter();
+    versions.extend(shadows.map(|(id, version)| (format!("shadow {id}"), version.clone())));
     if let Some(digest) = executable_digest() {
         versions.insert(EXECUTABLE.to_owned(), digest.to_owned());
     }

@@ -13,5 +13,6 @@ pub mod observer;
 pub mod picks;
 pub mod policy;
 mod probing;
+mod shadow;
 pub mod state;
 pub mod train;

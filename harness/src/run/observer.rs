@@ -8,7 +8,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use reports::schema::{Frontier, Learning, Record, Teaching};
+use reports::schema::{Frontier, Learning, Record, Shadowing, Teaching};
 
 use super::state::TrainerState;
 
@@ -27,6 +27,8 @@ pub enum Stage {
     Teaching,
     /// Probe rollouts that the teacher asked for: the rest of that price.
     Probing,
+    /// Shadows propose goals, observe episodes, learn and have rollouts of theirs played.
+    Shadowing,
     /// The student takes its gradient steps.
     Learning,
     /// The part of [`Learning`](Self::Learning) in which it draws batches, if the student reports it.
@@ -63,6 +65,14 @@ pub trait Observer {
         Ok(())
     }
 
+    /// What the shadows did up to the evaluation that was told of last.
+    ///
+    /// # Errors
+    /// If it cannot be recorded; the run then ends.
+    fn shadowed(&mut self, _shadowing: &Shadowing) -> std::io::Result<()> {
+        Ok(())
+    }
+
     /// A turn is over, a cycle of training or some probe rollouts, with its evaluation if one was due; `step`
     /// steps of the budget are taken.
     ///
@@ -93,6 +103,10 @@ impl Observer for Vec<&mut dyn Observer> {
 
     fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
         self.iter_mut().try_for_each(|observer| observer.measured(frontier))
+    }
+
+    fn shadowed(&mut self, shadowing: &Shadowing) -> std::io::Result<()> {
+        self.iter_mut().try_for_each(|observer| observer.shadowed(shadowing))
     }
 
     fn cycle(&mut self, step: u64) -> std::io::Result<()> {

@@ -19,7 +19,8 @@ pub(crate) fn finished() -> &'static Path {
     FOLDER
         .get_or_init(|| {
             let folder = tempfile::tempdir().expect("a temporary folder");
-            toy(folder.path(), &["--seeds", "0"]);
+            let settings = ["frontier.every=2", "frontier.episodes=1"].map(|set| ["--set", set]).concat();
+            toy(folder.path(), &[&["--seeds", "0", "--shadow", "plr,vds"], &settings[..]].concat());
             folder
         })
         .path()

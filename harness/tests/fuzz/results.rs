@@ -63,6 +63,8 @@ fn files_of_a_run() {
         assert_lines(&run, RunFolder::records);
         assert_lines(&run, RunFolder::teaching);
         assert_lines(&run, RunFolder::timings);
+        assert_lines(&run, RunFolder::frontier);
+        assert_lines(&run, RunFolder::shadowing);
         if let Err(error) = run.manifest() {
             assert_names(&error, &path);
         }
@@ -72,6 +74,8 @@ fn files_of_a_run() {
         let store = Store::read(folder.path()).expect("a results folder");
         for run in store.runs() {
             drop(reports::store::teaching(folder.path(), run));
+            drop(reports::store::frontier(folder.path(), run));
+            drop(reports::store::shadowing(folder.path(), run));
         }
         let states = status(folder.path()).expect("a results folder").runs;
         if bad != good && is_found(name) {

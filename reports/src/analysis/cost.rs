@@ -94,6 +94,7 @@ mod tests {
             evaluation_s: 0.0,
             teacher_s,
             learning_s: None,
+            shadow_s: None,
         };
         let (a, b) = (timing(3600.0, Some(900.0)), timing(10_800.0, Some(2700.0)));
         let old = timing(3600.0, None);

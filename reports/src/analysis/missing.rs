@@ -39,6 +39,7 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     lacking.extend(goal_maps(analysis));
     lacking.extend(diagnoses(analysis));
     lacking.extend(measures(analysis));
+    lacking.extend(shadows(analysis));
     lacking.extend(any_success(&own));
     lacking.extend(picks(&own));
     lacking.extend(timings(analysis));
@@ -142,6 +143,25 @@ fn measures(analysis: &Analysis<'_>) -> Vec<String> {
     own.filter(is_silent)
         .map(|group| format!("{}: {}: no measure of the frontier", group.key.environment, group.key.name()))
         .collect()
+}
+
+/// Shadows that fell silent, and the first reason.
+fn shadows(analysis: &Analysis<'_>) -> Vec<String> {
+    let mut lacking = Vec::new();
+    for group in &analysis.groups.all {
+        let watched: Vec<_> = group.runs.iter().filter_map(|run| analysis.shadow.of_run(run)).collect();
+        let failed: BTreeSet<&String> = watched.iter().flat_map(|run| run.failed.keys()).collect();
+        for id in failed {
+            let reasons: Vec<&String> = watched.iter().filter_map(|run| run.failed.get(id)).collect();
+            let (place, name) = (&group.key.environment, group.key.name());
+            let (shadow, count) = (analysis.catalogue().title(id), reasons.len());
+            let all = counted(watched.len(), "run");
+            let reason = reasons[0];
+            lacking
+                .push(format!("{place}: {name}: shadow {shadow} fell silent in {count} of {all} ({reason})"));
+        }
+    }
+    lacking
 }
 
 /// What timings do not tell.

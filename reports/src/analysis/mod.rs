@@ -25,6 +25,7 @@ pub mod options;
 pub mod pairing;
 pub mod readings;
 pub mod scores;
+pub mod shadow;
 pub mod student;
 pub mod subset;
 pub mod summary;

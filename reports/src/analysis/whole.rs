@@ -18,6 +18,7 @@ use crate::analysis::improvement::{self, Improvement};
 use crate::analysis::ledger::{self, LedgerEntry};
 use crate::analysis::options::ReportOptions;
 use crate::analysis::readings::Readings;
+use crate::analysis::shadow::ShadowFiles;
 use crate::analysis::student::StudentFiles;
 use crate::analysis::summary::GroupSummary;
 use crate::analysis::teaching::PickSummary;
@@ -60,6 +61,8 @@ pub struct Analysis<'a> {
     pub student: StudentFiles,
     /// What students could do at every goal of their pools, where that was measured.
     pub frontier: FrontierFiles,
+    /// What teachers that watched would have done.
+    pub shadow: ShadowFiles,
 }
 
 impl<'a> Analysis<'a> {
@@ -78,6 +81,7 @@ impl<'a> Analysis<'a> {
             picks.clear();
         }
         let axes = &catalogue.paper.axes;
+        let frontier = FrontierFiles::of(results, store);
         Self {
             store,
             protocols,
@@ -94,14 +98,20 @@ impl<'a> Analysis<'a> {
             heat: Heat::of(results, groups, &catalogue.mazes),
             goals: GoalSpaces::of(results, groups, &catalogue.environments),
             student: StudentFiles::of(results, store),
-            frontier: FrontierFiles::of(results, store),
+            shadow: ShadowFiles::of(results, store, &frontier),
+            frontier,
         }
     }
 
     /// What is wrong with files beside the records, as far as they were read.
     pub fn problems(&self) -> impl Iterator<Item = &StoreProblem> {
-        let read =
-            [&self.heat.problems, &self.goals.problems, &self.student.problems, &self.frontier.problems];
+        let read = [
+            &self.heat.problems,
+            &self.goals.problems,
+            &self.student.problems,
+            &self.frontier.problems,
+            &self.shadow.problems,
+        ];
         read.into_iter().flatten()
     }
 

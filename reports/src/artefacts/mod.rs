@@ -32,6 +32,7 @@ mod readings;
 mod records;
 mod report;
 mod runs;
+mod shadow;
 mod student;
 mod summary;
 mod teaching;
@@ -54,6 +55,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     runs::ROW,
     student::ROW,
     frontier::MEASURES,
+    shadow::LINES,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -64,6 +66,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     teaching::ROW,
     frontier::ROW,
     coverage::ROW,
+    shadow::AGREEMENT,
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
     readings::ROW,
@@ -77,6 +80,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     heat::ROW,
     goal_map::ROW,
     frontier::MAPS,
+    shadow::MATRICES,
     student::FIGURES,
     numbers::TEACHERS,
     comparisons::ROW,

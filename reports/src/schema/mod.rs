@@ -181,6 +181,40 @@ impl Frontier {
     }
 }
 
+/// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which runs have
+/// whose student other teachers watched. Nothing in it depends on the clock.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shadowing {
+    /// The evaluation that it leads up to.
+    pub eval_index: u64,
+    /// Training steps so far.
+    pub step: u64,
+    /// Training episodes since the evaluation before.
+    pub episodes: u64,
+    /// The shadows, always the same in the same order.
+    pub shadows: Vec<ShadowNote>,
+}
+
+/// What one shadow did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShadowNote {
+    /// Curriculum id.
+    pub id: String,
+    /// Its probability of every goal of the pool now, `[N]`, in single precision; `null` for teachers that do not
+    /// weigh the pool, and for one that has failed.
+    pub weights: Option<Vec<f32>>,
+    /// Which goals of the pool it proposed, by rising index, and for how many of the episodes; a goal from elsewhere
+    /// counts for the one of the pool that is nearest.
+    pub picks: Vec<(u32, u32)>,
+    /// How many of its proposals were goals from elsewhere.
+    pub elsewhere: u64,
+    /// Why it has fallen silent; absent from the file of one that has not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+}
+
 /// Time taken: a line of `timing.jsonl`, kept apart because it differs between machines.
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -200,6 +234,9 @@ pub struct Timing {
     /// Seconds of it spent in the student's gradient steps; absent in files older than the field.
     #[serde(default)]
     pub learning_s: Option<f64>,
+    /// Seconds of it spent in shadows; absent from the file of a run without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shadow_s: Option<f64>,
 }
 
 /// The name, among a manifest's versions, of the program that carries out the run: `NAME VERSION`. Runs of a

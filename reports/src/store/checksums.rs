@@ -11,7 +11,8 @@ use super::{RunFolder, digest, layout, read_json};
 use crate::schema::{Manifest, RunKey, SCHEMA};
 
 /// The files that hold what a run found: without one of them it is not what it was.
-const FOUND: [&str; 4] = [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::FRONTIER];
+const FOUND: [&str; 5] =
+    [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::FRONTIER, layout::SHADOW];
 
 /// SHA-256, in hex, of schema, run and config: a manifest's hash. Versions are not part of it: they are
 /// recorded, not compared.
@@ -100,8 +101,8 @@ pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(),
         return Err(altered(folder, layout::CHECKSUMS, "belongs to a run with another config"));
     }
     for name in FOUND {
-        // Old versions did not record what teachers did, nor how students learned; measures of the frontier
-        // are made on request.
+        // Old versions did not record what teachers did, nor how students learned; measures of the frontier are
+        // made on request, as shadows are.
         let never_was = !noted.sha256.contains_key(name) && name != layout::RECORDS && !folder.has(name)?;
         if !never_was {
             noted.check(folder, name)?;

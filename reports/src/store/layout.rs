@@ -46,6 +46,8 @@ pub const TEACHING: &str = "teaching.jsonl";
 pub const STUDENT: &str = "student.jsonl";
 /// A [`Frontier`](crate::schema::Frontier) per line; absent where none was asked for.
 pub const FRONTIER: &str = "frontier.jsonl";
+/// A [`Shadowing`](crate::schema::Shadowing) per line; absent where no shadow watched.
+pub const SHADOW: &str = "shadow.jsonl";
 /// A [`Timing`](crate::schema::Timing) per line.
 pub const TIMING: &str = "timing.jsonl";
 /// [`Outcome`](crate::schema::Outcome).
@@ -73,6 +75,7 @@ pub static FILES: &[RunFile] = &[
     RunFile { name: TEACHING, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: STUDENT, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: FRONTIER, merged: true, packed: true, lives: Lives::Always },
+    RunFile { name: SHADOW, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: TIMING, merged: true, packed: true, lives: Lives::Always },
     RunFile { name: OUTCOME, merged: true, packed: true, lives: Lives::UntilReopened },
     RunFile { name: CHECKSUMS, merged: true, packed: true, lives: Lives::UntilReopened },

@@ -14,6 +14,8 @@ pub(super) struct Limits {
     pub(super) goals: Option<u64>,
     /// Episodes towards each goal in a measure of the frontier.
     pub(super) frontier_episodes: Option<u64>,
+    /// Ids of the shadows, in order.
+    pub(super) shadows: Option<Vec<String>>,
     /// Gradient steps of a cycle, which is one training step at least.
     updates: Option<u64>,
 }
@@ -21,7 +23,10 @@ pub(super) struct Limits {
 impl Limits {
     pub(super) fn of(manifest: &Manifest) -> Self {
         let number = |pointer| manifest.config.pointer(pointer).and_then(Value::as_u64);
+        let shadows = manifest.config.get("shadow").and_then(Value::as_array);
+        let ids = |list: &Vec<Value>| list.iter().filter_map(Value::as_str).map(str::to_owned).collect();
         Self {
+            shadows: shadows.map(ids),
             budget: number("/budget/steps"),
             episodes: number("/evaluation/episodes"),
             goals: number("/pool/size"),

@@ -21,6 +21,7 @@ pub mod problem;
 pub mod protocols;
 mod results;
 mod run_folder;
+mod shadow;
 mod student;
 mod teaching;
 
@@ -34,6 +35,7 @@ pub use error::StoreError;
 pub use frontier::frontier;
 pub use results::{Results, Survey};
 pub use run_folder::{JsonLine, RunFolder, read_json};
+pub use shadow::shadowing;
 pub use student::learning;
 pub use teaching::teaching;
 

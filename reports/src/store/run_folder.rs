@@ -10,7 +10,9 @@ use serde::de::DeserializeOwned;
 use super::error::StoreError;
 use super::layout::{self, Lives};
 use super::{digest, lines};
-use crate::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{
+    Crash, Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing,
+};
 
 /// A value of which a file of a run's folder has one per line.
 pub trait JsonLine: DeserializeOwned {
@@ -38,6 +40,11 @@ impl JsonLine for Learning {
 impl JsonLine for Frontier {
     const FILE: &'static str = layout::FRONTIER;
     const NAME: &'static str = "measure of the frontier";
+}
+
+impl JsonLine for Shadowing {
+    const FILE: &'static str = layout::SHADOW;
+    const NAME: &'static str = "record of shadows";
 }
 
 impl JsonLine for Timing {
@@ -174,6 +181,14 @@ impl RunFolder {
     /// # Errors
     /// [`StoreError`] naming the first line that is not what the schema says.
     pub fn frontier(&self) -> Result<Vec<Frontier>, StoreError> {
+        self.lines()
+    }
+
+    /// What its shadows would have done, `[evaluations]`; none where no shadow watched.
+    ///
+    /// # Errors
+    /// [`StoreError`] naming the first line that is not what the schema says.
+    pub fn shadowing(&self) -> Result<Vec<Shadowing>, StoreError> {
         self.lines()
     }
 

@@ -261,6 +261,7 @@ fn timing(curriculum: &str, eval_index: u64, step: u64) -> Timing {
         evaluation_s: 0.1 * student_s,
         teacher_s: Some(teacher_s),
         learning_s: Some(0.6 * student_s),
+        shadow_s: None,
     }
 }
 

@@ -83,6 +83,17 @@ fn an_ended_run_has_the_measures_that_it_ended_with() {
     assert_eq!(problems(), [of_nobody]);
 }
 
+fn close(found: &[Option<f64>], expected: &[Option<f64>]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        let same = match (found, expected) {
+            (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
+            (found, expected) => found == expected,
+        };
+        assert!(same, "{found:?} is not {expected:?}");
+    }
+}
+
 /// Two seeds of a teacher with weights, one of one without, and a run that was never measured.
 #[test]
 fn tables_data_and_maps_by_hand() {
@@ -113,21 +124,18 @@ fn tables_data_and_maps_by_hand() {
     let numbers = |csv: &str, curriculum: &str| -> Vec<Option<f64>> {
         let text = read(csv);
         let row = text.lines().find(|row| row.starts_with(&format!("Four,{curriculum},default,")));
-        row.unwrap_or_default().split(',').skip(3).map(|number| number.parse().ok()).collect()
-    };
-    let close = |found: &[Option<f64>], expected: &[Option<f64>]| {
-        assert_eq!(found.len(), expected.len(), "{found:?}");
-        for (found, expected) in found.iter().zip(expected) {
-            let same = match (found, expected) {
-                (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
-                (found, expected) => found == expected,
-            };
-            assert!(same, "{found:?} is not {expected:?}");
-        }
+        // Of text there is no number.
+        let columns = row.unwrap_or_default().split(',').skip(3);
+        columns.filter(|text| *text != curriculum).map(|number| number.parse().ok()).collect()
     };
     assert_eq!(
         read("frontier.csv").lines().next(),
-        Some("environment,curriculum,variant,n_measured,intermediate,n_auc,auc,auc_std")
+        Some(
+            "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_auc,auc,auc_std,auc_1,auc_1_std,\
+             auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std,border,border_proposed,n_border_auc,border_auc,\
+             border_auc_std,border_auc_1,border_auc_1_std,border_auc_2,border_auc_2_std,border_auc_3,border_auc_3_std,\
+             border_auc_change,border_auc_change_std"
+        )
     );
     // Seed 0: (1 + (0 + 0 + 1/2) / 3) / 2. Seed 1: in both measures one goal of four; in the second it is the
     // first goal, which lies above two of three: (1 + 2/3) / 2.
@@ -135,9 +143,19 @@ fn tables_data_and_maps_by_hand() {
     let std = (one - zero) / f64::sqrt(2.0);
     close(
         &numbers("frontier.csv", "nova"),
-        &[Some(2.0), Some(0.25), Some(2.0), Some((zero + one) / 2.0), Some(std)],
+        &[
+            &[Some(2.0), Some(0.25), None, Some(2.0), Some((zero + one) / 2.0), Some(std)][..],
+            // The first measure lies in the second third of the run, the other one in the last.
+            &[None, None, Some(1.0), Some(0.0), Some(5.0 / 12.0), Some(0.5 / f64::sqrt(2.0)), None, None],
+            // All four goals together have 7, 11, 7 and 2 of 20: all of them intermediate but for the last.
+            &[Some(0.75), None, Some(0.0)],
+            &[None; 10],
+        ]
+        .concat(),
     );
-    close(&numbers("frontier.csv", "moss"), &[Some(1.0), Some(0.0), Some(0.0), None, None]);
+    let none = [&[Some(0.0), None, Some(0.0)][..], &[None; 10]].concat();
+    let nothing = [&[Some(1.0)][..], &none, &none].concat();
+    close(&numbers("frontier.csv", "moss"), &nothing);
     assert!(numbers("frontier.csv", "dull").is_empty());
     assert_eq!(
         read("coverage.csv").lines().next(),

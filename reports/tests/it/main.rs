@@ -16,6 +16,7 @@ mod page;
 mod readings;
 mod report;
 mod rollouts;
+mod shadow;
 mod statistics;
 mod store;
 mod student;

@@ -61,6 +61,7 @@ fn all_files_are_written_and_returned() {
     let expected = [
         "DATA.md",
         "aggregates.csv",
+        "agreement.csv",
         "comparisons.csv",
         "costs.csv",
         "coverage.csv",
@@ -95,6 +96,8 @@ fn all_files_are_written_and_returned() {
         "records.parquet",
         "runs.csv",
         "runs.parquet",
+        "shadows.csv",
+        "shadows.parquet",
         "student.csv",
         "student.parquet",
         "summary.csv",

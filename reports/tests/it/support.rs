@@ -53,6 +53,7 @@ pub(crate) fn write_configured(results: &Path, run: &RunKey, rates: &[f64], conf
         evaluation_s: 0.0,
         teacher_s: Some(0.36 * record.step as f64),
         learning_s: Some(0.9 * record.step as f64),
+        shadow_s: None,
     };
     let outcome = Outcome::Finished { step: records.last().map_or(0, |record| record.step) };
     fs::write(folder.join(layout::MANIFEST), line(&manifest)).unwrap();

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use envs::Goals;
 use envs::rng::Rng;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::curriculum::{Proposal, ProposedGoal, TeacherSummary};
 use crate::distribution::Distribution;
+use crate::played::told_of;
 
 /// Names of numbers that goalbench records itself.
 const TAKEN: [&str; 6] = [
@@ -30,7 +32,7 @@ pub(super) struct Memory {
     tries: Vec<u64>,
     /// Those of them that were successful, shape `[N]`.
     successes: Vec<u64>,
-    /// The goal of the running episode, if it is of the pool.
+    /// The goal that was proposed for the running episode, if it is of the pool.
     proposed: Option<usize>,
     /// What goalbench draws from on the program's behalf.
     rng: Rng,
@@ -106,9 +108,13 @@ impl Memory {
         };
     }
 
-    /// Remembers how the episode ended: the index of its goal, if that is of the pool.
-    pub(super) fn observe(&mut self, success: bool) -> Option<usize> {
-        let index = self.proposed.take()?;
+    /// Remembers how the episode towards `goal`, shape `[G]`, ended: the index of that in `pool`, if it is of the
+    /// pool. Another teacher may have chosen it.
+    pub(super) fn observe(&mut self, pool: &Goals, goal: &[f64], success: bool) -> Option<usize> {
+        let index = told_of(pool, goal, self.proposed.take());
+        if pool.row(index) != goal {
+            return None;
+        }
         self.tries[index] += 1;
         self.successes[index] += u64::from(success);
         Some(index)

@@ -225,7 +225,7 @@ impl Method for Process {
 
     fn observe(&self, state: &mut ProcessState, episode: &Episode) -> Result<(), CurriculumError> {
         let ProcessState { conversation, memory, .. } = state;
-        let index = memory.observe(episode.success);
+        let index = memory.observe(&self.pool, &episode.goal, episode.success);
         let message = Message::Episode {
             goal: &episode.goal,
             pool: index,

@@ -34,7 +34,7 @@ pub(super) enum Message<'a> {
     Episode {
         /// Shape `[G]`.
         goal: &'a [f64],
-        /// Its index, if it was proposed as one of the pool.
+        /// Its index, if it is one of the pool.
         pool: Option<usize>,
         success: bool,
         #[serde(rename = "return")]

@@ -36,6 +36,10 @@ pub(super) struct Args {
     /// Curricula instead of the protocol's, separated by commas
     #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
+    /// Curricula that watch each run and propose goals that nobody plays, separated by commas, or `all`; short for
+    /// --set shadow=[ID,...]
+    #[arg(long, value_name = "all|ID,...", value_delimiter = ',', value_parser = name)]
+    shadow: Vec<String>,
     #[command(flatten)]
     seeds: SeedsFlag,
     /// Training steps per run, as in 100000, 1e5 or 100k; short for --set budget.steps=N
@@ -346,6 +350,11 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         }
         None => Protocol::from_options(),
     };
+    if !args.shadow.is_empty() {
+        let ids = args.shadow.iter().map(|id| id.as_str().into()).collect();
+        let option = format!("--shadow {}", short(&args.shadow.join(",")));
+        protocol.watch(ConfigLayer::from_option(option, &["shadow"], toml::Value::Array(ids)));
+    }
     if !args.environments.is_empty() {
         protocol.environments = registry.expand_environments(&args.environments, "--env: ")?;
     }

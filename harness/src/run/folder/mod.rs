@@ -17,7 +17,7 @@ use crate::config::RunConfig;
 use crate::error::{HarnessError, ManifestError};
 use crate::files::write_json;
 pub use check::{Sound, check, check_beginning};
-pub use recorder::{CommonExtent, Extent, Recorder};
+pub use recorder::{CommonExtent, Extent, MeasuredExtent, Recorder};
 
 /// What a run's folder holds.
 #[derive(Clone, Debug, PartialEq)]

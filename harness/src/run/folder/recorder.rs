@@ -5,7 +5,7 @@ use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Frontier, Learning, Outcome, Record, Teaching, Timing};
+use reports::schema::{Frontier, Learning, Outcome, Record, Shadowing, Teaching, Timing};
 use reports::store::checksums::Checksums;
 use reports::store::{RunFolder, StoreError, layout};
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,16 @@ use crate::tracking::{Evaluated, EventFile};
 /// How far a run's files had come at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extent {
+    measured: MeasuredExtent,
+    /// Only some runs have this file.
+    shadow: Prefix,
+    /// Seconds since the run began that were spent in shadows; `None` in runs without any.
+    shadow_s: Option<f64>,
+}
+
+/// The same without shadows: what checkpoints kept before there were any.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredExtent {
     every_run: CommonExtent,
     /// Only some runs have this file.
     frontier: Prefix,
@@ -51,7 +61,13 @@ struct Prefix {
 
 impl From<CommonExtent> for Extent {
     fn from(every_run: CommonExtent) -> Self {
-        Self { every_run, frontier: Prefix::default() }
+        MeasuredExtent { every_run, frontier: Prefix::default() }.into()
+    }
+}
+
+impl From<MeasuredExtent> for Extent {
+    fn from(measured: MeasuredExtent) -> Self {
+        Self { measured, shadow: Prefix::default(), shadow_s: None }
     }
 }
 
@@ -61,12 +77,14 @@ impl Extent {
     /// # Errors
     /// [`HarnessError::Damaged`] naming the file that does not; [`HarnessError::Io`].
     pub fn check(&self, run: &RunFolder) -> Result<(), HarnessError> {
+        let MeasuredExtent { every_run, frontier } = &self.measured;
         let parts = [
-            (layout::RECORDS, self.every_run.records),
-            (layout::TEACHING, self.every_run.teaching),
-            (layout::STUDENT, self.every_run.student),
-            (layout::TIMING, self.every_run.timing),
-            (layout::FRONTIER, self.frontier),
+            (layout::RECORDS, every_run.records),
+            (layout::TEACHING, every_run.teaching),
+            (layout::STUDENT, every_run.student),
+            (layout::TIMING, every_run.timing),
+            (layout::FRONTIER, *frontier),
+            (layout::SHADOW, self.shadow),
         ];
         for (name, prefix) in parts {
             let path = run.file(name);
@@ -125,8 +143,8 @@ impl Log {
     }
 }
 
-/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` where
-/// there is anything to write into it and, at last, `checksums.json` and `outcome.json`.
+/// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` and
+/// `shadow.jsonl` where there is anything to write into them and, at last, `checksums.json` and `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,
@@ -135,11 +153,14 @@ pub struct Recorder {
     timing: Log,
     /// Begun with its first line.
     frontier: Option<Log>,
+    /// Likewise.
+    shadow: Option<Log>,
     events: Option<EventFile>,
     /// Seconds of earlier attempts, up to the checkpoint that this one goes on from.
     wall_before: f64,
     begun: Instant,
     spent: Spent,
+    shadow_s: Option<f64>,
 }
 
 impl Recorder {
@@ -149,15 +170,19 @@ impl Recorder {
     /// # Errors If the files cannot be written, or are not those that `extent` describes.
     pub fn open(folder: &Path, extent: &Extent, tensorboard: bool) -> std::io::Result<Self> {
         let run = RunFolder::new(folder);
-        let Extent { every_run, frontier } = extent;
+        let Extent { measured: MeasuredExtent { every_run, frontier }, shadow, shadow_s } = extent;
         let records = Log::open(run.file(layout::RECORDS), every_run.records)?;
         let teaching = Log::open(run.file(layout::TEACHING), every_run.teaching)?;
         let student = Log::open(run.file(layout::STUDENT), every_run.student)?;
         let timing = Log::open(run.file(layout::TIMING), every_run.timing)?;
-        let measured = frontier.bytes > 0 || run.has(layout::FRONTIER)?;
-        let frontier = measured.then(|| Log::open(run.file(layout::FRONTIER), *frontier)).transpose()?;
+        let if_there = |name: &str, prefix: Prefix| {
+            let is_there = prefix.bytes > 0 || run.has(name)?;
+            is_there.then(|| Log::open(run.file(name), prefix)).transpose()
+        };
+        let frontier = if_there(layout::FRONTIER, *frontier)?;
+        let shadow = if_there(layout::SHADOW, *shadow)?;
         // All are sound: only now is anything cut off.
-        for log in [&records, &teaching, &student, &timing].into_iter().chain(&frontier) {
+        for log in [&records, &teaching, &student, &timing].into_iter().chain(&frontier).chain(&shadow) {
             log.file.set_len(log.bytes)?;
         }
         // Only now: it follows the logs, which have been cut back to the checkpoint.
@@ -170,10 +195,12 @@ impl Recorder {
             student,
             timing,
             frontier,
+            shadow,
             events,
             wall_before: every_run.wall_s,
             begun: Instant::now(),
             spent: every_run.spent,
+            shadow_s: *shadow_s,
         })
     }
 
@@ -191,12 +218,14 @@ impl Recorder {
             wall_s: self.wall_s(),
             spent: self.spent,
         };
-        Ok(Extent { every_run, frontier: self.frontier.as_ref().map(Log::prefix).unwrap_or_default() })
+        let prefix = |log: &Option<Log>| log.as_ref().map(Log::prefix).unwrap_or_default();
+        let measured = MeasuredExtent { every_run, frontier: prefix(&self.frontier) };
+        Ok(Extent { measured, shadow: prefix(&self.shadow), shadow_s: self.shadow_s })
     }
 
     fn sync(&self) -> std::io::Result<()> {
-        let Self { records, teaching, student, timing, frontier, .. } = self;
-        [records, teaching, student, timing].into_iter().chain(frontier).try_for_each(|log| {
+        let Self { records, teaching, student, timing, frontier, shadow, .. } = self;
+        [records, teaching, student, timing].into_iter().chain(frontier).chain(shadow).try_for_each(|log| {
             let synced = log.file.sync_data();
             Ok(synced.map_err(StoreError::io(&log.path, "write this file through to the disk"))?)
         })
@@ -212,6 +241,7 @@ impl Recorder {
             Stage::Teaching | Stage::Probing => &mut self.spent.teacher,
             Stage::Learning => &mut self.spent.learning,
             Stage::Evaluating => &mut self.spent.evaluation,
+            Stage::Shadowing => self.shadow_s.get_or_insert_default(),
             _ => return,
         };
         *sum += time.as_secs_f64();
@@ -237,6 +267,7 @@ impl Recorder {
             evaluation_s: self.spent.evaluation,
             teacher_s: Some(self.spent.teacher),
             learning_s: Some(self.spent.learning),
+            shadow_s: self.shadow_s,
         };
         self.timing.append(&timing)?;
         match &mut self.events {
@@ -260,6 +291,18 @@ impl Recorder {
             none => none.insert(Log::open(self.folder.file(layout::FRONTIER), Prefix::default())?),
         };
         log.append(frontier)
+    }
+
+    /// Appends what the shadows did.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn shadowed(&mut self, shadowing: &Shadowing) -> std::io::Result<()> {
+        let log = match &mut self.shadow {
+            Some(log) => log,
+            none => none.insert(Log::open(self.folder.file(layout::SHADOW), Prefix::default())?),
+        };
+        log.append(shadowing)
     }
 
     /// Ends the run with manifest hash `run`. Its checksums come first, that of the outcome among them: once

@@ -52,6 +52,9 @@ impl Trainer {
         if let Some(frontier) = frontier {
             observer.measured(&frontier)?;
         }
+        if !self.shadows.is_empty() {
+            observer.shadowed(&self.shadows.note(self.evaluations, self.step))?;
+        }
         self.evaluations += 1;
         Ok(())
     }

@@ -22,7 +22,8 @@ use super::frontier::FrontierTruth;
 use super::observer::{Laps, Observer, Stage, Wish};
 use super::picks::{self, Ranks};
 use super::probing::{Played, Probing};
-use super::state::{TrainerState, TrainingState};
+use super::shadow::Shadows;
+use super::state::{ProbedState, TrainerState, TrainingState};
 use crate::Registry;
 use crate::config::streams::Streams;
 use crate::config::{EvaluationGoals, RunConfig};
@@ -58,6 +59,8 @@ pub struct Trainer {
     evaluation_pool: Option<Arc<Goals>>,
     /// Measures every goal of the pool, where that is asked for.
     frontier: Option<FrontierTruth>,
+    /// Teachers that watch while this one acts.
+    shadows: Shadows,
     streams: Streams,
     probing: Probing,
     /// Whether the probe rollouts that the teacher asks for are played.
@@ -91,9 +94,10 @@ impl Trainer {
         let method = registry.curriculum(&key.curriculum).expect(known);
         let seeds = config.seed;
         let in_evaluations = config.evaluation.goals == EvaluationGoals::Pool;
-        // All methods of a seed draw the same pool, whether they choose from it or are evaluated or measured
-        // on it.
-        let drawn = if method.uses_pool || in_evaluations || config.frontier.is_on() {
+        // All methods of a seed draw the same pool, whether they choose from it or are evaluated, measured or
+        // watched on it.
+        let is_watched = !config.shadow.is_empty();
+        let drawn = if method.uses_pool || in_evaluations || config.frontier.is_on() || is_watched {
             let mut rng = seeds.stream(key.seed, Purpose::Pool);
             Arc::new(draw_pool(evaluation_envs[0].as_mut(), config.pool.size, &mut rng)?)
         } else {
@@ -120,8 +124,9 @@ impl Trainer {
             env,
             evaluation_envs,
             pool,
-            evaluation_pool: in_evaluations.then_some(drawn),
+            evaluation_pool: in_evaluations.then(|| Arc::clone(&drawn)),
             frontier: measured.transpose()?,
+            shadows: Shadows::new(registry, &key, &config, (&spec, &drawn), || entry.make(&options))?,
             key,
             config,
             step: 0,
@@ -148,7 +153,7 @@ impl Trainer {
     /// # Errors
     /// [`RunError`] if student or teacher refuse their state.
     pub fn resume(&mut self, state: &TrainerState, replay: &Path) -> Result<(), RunError> {
-        let TrainerState { training, probing } = state;
+        let TrainerState { probed: ProbedState { training, probing }, shadows } = state;
         self.agent.load(&training.student, replay)?;
         self.curriculum.load(&training.teacher)?;
         self.streams = training.streams.clone();
@@ -157,7 +162,7 @@ impl Trainer {
         self.teaching = training.teaching.clone();
         self.ranks = training.ranks;
         self.probing.resume(probing.clone());
-        Ok(())
+        self.shadows.resume(training.step, shadows)
     }
 
     fn state(&mut self, replay: &Path) -> Result<TrainerState, RunError> {
@@ -174,7 +179,8 @@ impl Trainer {
             })?,
             teacher: self.curriculum.save()?,
         };
-        Ok(TrainerState { training, probing: self.probing.state().clone() })
+        let probed = ProbedState { training, probing: self.probing.state().clone() };
+        Ok(TrainerState { probed, shadows: self.shadows.state(self.step) })
     }
 
     /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained
@@ -251,6 +257,10 @@ impl Trainer {
             observer.spent(Stage::Storing, laps.lap());
             self.curriculum.observe(&episode)?;
             observer.spent(Stage::Teaching, laps.lap());
+            if !self.shadows.is_empty() {
+                self.shadows.observe(self.step, &episode);
+                observer.spent(Stage::Shadowing, laps.lap());
+            }
             self.teaching.goals.push(episode.goal.iter().map(|&x| x as f32).collect());
             self.teaching.successes.push(episode.success);
         }
@@ -287,7 +297,8 @@ impl Trainer {
         observer.spent(Stage::Learning, time);
         let mut laps = Laps::begin();
         // In a warm-up nobody learns.
-        if self.agent.gradient_steps() > before.gradient_steps {
+        let has_learned = self.agent.gradient_steps() > before.gradient_steps;
+        if has_learned {
             self.curriculum.learn(self.agent.as_mut(), self.env.as_ref(), &mut self.streams.teacher)?;
         }
         let request = self.curriculum.request_rollouts(self.env.as_mut(), &mut self.streams.teacher)?;
@@ -295,6 +306,14 @@ impl Trainer {
             self.probing.ask(request);
         }
         observer.spent(Stage::Teaching, laps.lap());
+        if !self.shadows.is_empty() {
+            let (step, plays) = (self.step, self.plays_rollouts);
+            if has_learned {
+                self.shadows.learn(step, self.agent.as_mut(), self.env.as_ref());
+            }
+            self.shadows.probe(step, self.agent.as_mut(), self.env.as_mut(), plays);
+            observer.spent(Stage::Shadowing, laps.lap());
+        }
         if let (Some(before), Some(after)) = (before.sampling, self.agent.sampling_time()) {
             observer.spent(Stage::Sampling, after - before);
         }
@@ -330,6 +349,10 @@ impl Trainer {
             rng: &mut self.streams.teacher,
         })?;
         observer.spent(Stage::Teaching, laps.lap());
+        if !self.shadows.is_empty() {
+            self.shadows.propose(self.step, self.agent.as_mut(), &start, env);
+            observer.spent(Stage::Shadowing, laps.lap());
+        }
         picks::note(&mut self.teaching, &mut self.ranks, &proposal);
         match proposal.goal {
             ProposedGoal::Native => {}

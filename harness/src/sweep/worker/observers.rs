@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use reports::schema::{Frontier, Learning, Outcome, Record, Teaching};
+use reports::schema::{Frontier, Learning, Outcome, Record, Shadowing, Teaching};
 
 use crate::run::checkpoint::{self, Checkpoint, REPLAY};
 use crate::run::folder::{Extent, Recorder};
@@ -62,6 +62,10 @@ impl Observer for LaneObserver {
         self.recording.measured(frontier)
     }
 
+    fn shadowed(&mut self, shadowing: &Shadowing) -> std::io::Result<()> {
+        self.recording.shadowed(shadowing)
+    }
+
     fn cycle(&mut self, step: u64) -> std::io::Result<()> {
         self.telling.cycle(step)
     }
@@ -115,6 +119,10 @@ impl Observer for RecordObserver {
 
     fn measured(&mut self, frontier: &Frontier) -> std::io::Result<()> {
         self.recorder.measured(frontier)
+    }
+
+    fn shadowed(&mut self, shadowing: &Shadowing) -> std::io::Result<()> {
+        self.recorder.shadowed(shadowing)
     }
 
     fn checkpointer(&mut self) -> Option<&mut dyn Checkpointer> {

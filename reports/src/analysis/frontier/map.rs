@@ -1,11 +1,12 @@
 //! Where in a maze the student succeeds, as measured, beside where its teacher looks.
 
-use crate::analysis::catalogue::MazeInfo;
-use crate::analysis::frontier::FrontierFiles;
-use crate::analysis::group::GroupKey;
-use crate::analysis::groups::Groups;
+use crate::analysis::catalogue::{Catalogue, MazeInfo};
+use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::heat::third;
+use crate::analysis::shadow::WatchedRun;
+use crate::analysis::whole::Analysis;
 use crate::schema::Frontier;
+use crate::store::Run;
 
 /// The last measures of a third of training, by cell of the goals.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +28,17 @@ pub struct FrontierMap {
     pub runs: (usize, usize),
     /// One per third of training.
     pub phases: [FrontierPhase; 3],
+    /// The same beside the weights of teachers that watched, by name.
+    pub shadows: Vec<(String, [FrontierPhase; 3])>,
+}
+
+/// A run as maps see it.
+#[derive(Clone, Copy, Debug)]
+pub struct MappedRun<'a> {
+    /// Its measures by rising evaluation.
+    pub measures: &'a [Frontier],
+    /// What was wanted then, where others watched.
+    pub watched: Option<&'a WatchedRun>,
 }
 
 /// The maps of one maze.
@@ -63,14 +75,14 @@ impl Sums {
         }
     }
 
-    /// Adds a measure, whose goals lie in `cells`.
-    fn add(&mut self, measure: &Frontier, cells: &[usize]) {
+    /// Adds a measure, whose goals lie in `cells` and have these `weights`.
+    fn add(&mut self, measure: &Frontier, weights: Option<&[f32]>, cells: &[usize]) {
         for (&cell, &successes) in cells.iter().zip(&measure.successes) {
             self.successes[cell] += successes;
             self.episodes[cell] += measure.episodes;
         }
         self.measures += 1;
-        if let Some(weights) = &measure.weights {
+        if let Some(weights) = weights {
             for (&cell, &weight) in cells.iter().zip(weights) {
                 self.weights[cell] += f64::from(weight);
             }
@@ -94,33 +106,52 @@ impl Sums {
 }
 
 impl FrontierMap {
-    /// The maps of a group's runs, each with its measures by rising evaluation; `end` is the number of
-    /// training steps that thirds are thirds of. Of each run the last measure of every third counts. `None`
-    /// if no run has measures with goals that are positions in the plane.
+    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each run the
+    /// last measure of every third counts. `None` if no run has measures with goals that are positions in the plane.
     pub fn of<'a>(
         key: &GroupKey,
-        maze: &MazeInfo,
+        (maze, catalogue): (&MazeInfo, &Catalogue),
         end: u64,
-        runs: impl IntoIterator<Item = &'a [Frontier]>,
+        runs: impl IntoIterator<Item = MappedRun<'a>>,
     ) -> Option<Self> {
-        let mut sums = [Sums::new(maze), Sums::new(maze), Sums::new(maze)];
-        let (mut telling, mut all) = (0, 0);
-        for measures in runs {
-            all += 1;
-            let Some(cells) = measures.iter().find_map(|measure| cells(maze, measure.goals.as_deref()?))
-            else {
-                continue;
-            };
-            telling += 1;
-            for (index, sums) in sums.iter_mut().enumerate() {
-                let last = measures.iter().rev().find(|measure| third(measure.step, end) == index);
-                if let Some(measure) = last {
-                    sums.add(measure, &cells);
-                }
-            }
-        }
-        (telling > 0).then(|| Self { key: key.clone(), runs: (telling, all), phases: sums.map(Sums::phase) })
+        let runs: Vec<MappedRun<'a>> = runs.into_iter().collect();
+        let place = |run: &MappedRun<'a>| {
+            Some((*run, run.measures.iter().find_map(|measure| cells(maze, measure.goals.as_deref()?))?))
+        };
+        let telling: Vec<(MappedRun<'a>, Vec<usize>)> = runs.iter().filter_map(place).collect();
+        let watched = telling.iter().find_map(|(run, _)| run.watched);
+        let shadows = watched.map_or(&[][..], |watched| &watched.teachers[1..]);
+        let map = |teacher: usize| [0, 1, 2].map(|index| phase(maze, &telling, (index, end), teacher));
+        let titled = |(teacher, id): (usize, &String)| (catalogue.title(id), map(teacher));
+        (!telling.is_empty()).then(|| Self {
+            key: key.clone(),
+            runs: (telling.len(), runs.len()),
+            phases: map(0),
+            shadows: (1..).zip(shadows).map(titled).collect(),
+        })
     }
+}
+
+/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights of the
+/// teacher in this place.
+fn phase(
+    maze: &MazeInfo,
+    runs: &[(MappedRun<'_>, Vec<usize>)],
+    (index, end): (usize, u64),
+    teacher: usize,
+) -> FrontierPhase {
+    let mut sums = Sums::new(maze);
+    for (MappedRun { measures, watched }, cells) in runs {
+        let last = measures.iter().rev().find(|measure| third(measure.step, end) == index);
+        let Some(measure) = last else { continue };
+        let wanted = watched.and_then(|watched| watched.measured.get(&measure.eval_index)?.get(teacher));
+        let weights = match teacher {
+            0 => measure.weights.as_deref(),
+            _ => wanted.and_then(|wanted| wanted.weights.as_deref()),
+        };
+        sums.add(measure, weights, cells);
+    }
+    sums.phase()
 }
 
 /// The cell of every goal; `None` if one is no position in the plane.
@@ -134,25 +165,29 @@ fn cells(maze: &MazeInfo, goals: &[Vec<f32>]) -> Option<Vec<usize>> {
 }
 
 /// The maps of the compared groups of every maze that has some.
-pub fn maps<'a>(groups: &Groups<'_>, files: &FrontierFiles, mazes: &'a [MazeInfo]) -> Vec<MazeFrontier<'a>> {
+pub fn maps<'a>(analysis: &'a Analysis<'_>) -> Vec<MazeFrontier<'a>> {
     let of_maze = |maze: &'a MazeInfo| {
-        let mut here = groups.compared_groups();
+        let mut here = analysis.groups.compared_groups();
         here.retain(|group| group.key.environment == maze.id);
         let last = here.iter().flat_map(|group| &group.runs).filter_map(|run| run.records.last());
         let end = last.map(|record| record.step).max().unwrap_or(0);
-        let map = |group: &&crate::analysis::group::Group<'_>| {
-            FrontierMap::of(&group.key, maze, end, group.runs.iter().map(|run| files.of_run(run)))
+        let mapped = |run: &&'a Run| MappedRun {
+            measures: analysis.frontier.of_run(run),
+            watched: analysis.shadow.of_run(run),
+        };
+        let map = |group: &&'a Group<'_>| {
+            FrontierMap::of(&group.key, (maze, analysis.catalogue()), end, group.runs.iter().map(mapped))
         };
         let maps: Vec<FrontierMap> = here.iter().filter_map(map).collect();
         (!maps.is_empty()).then_some(MazeFrontier { maze, end, maps })
     };
-    mazes.iter().filter_map(of_maze).collect()
+    analysis.catalogue().mazes.iter().filter_map(of_maze).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::catalogue::Catalogue;
+    use crate::analysis::shadow::Wanted;
 
     #[test]
     fn maps_by_hand() {
@@ -176,7 +211,16 @@ mod tests {
             ..first
         };
         let lines = [first.clone(), later(70, [1, 1, 1]), later(90, [4, 4, 2])];
-        let map = FrontierMap::of(&key, &maze, 90, [&lines[..], &[]]).expect("goals in the plane");
+        let catalogue = Catalogue::default();
+        let wanted = |weights: Option<Vec<f32>>| Wanted { weights, picks: Vec::new() };
+        let watched = WatchedRun {
+            teachers: ["nova", "wren"].map(String::from).to_vec(),
+            measured: [(1, vec![wanted(None), wanted(Some(vec![0.0, 0.75, 0.25]))])].into(),
+            ..WatchedRun::default()
+        };
+        let unwatched = |measures| MappedRun { measures, watched: None };
+        let runs = [MappedRun { measures: &lines[..], watched: Some(&watched) }, unwatched(&[])];
+        let map = FrontierMap::of(&key, (&maze, &catalogue), 90, runs).expect("goals in the plane");
         assert_eq!(map.runs, (1, 2));
         // Two goals share the second cell.
         assert_eq!(map.phases[0].success, [Some(0.0), Some(0.625), None, None]);
@@ -185,8 +229,14 @@ mod tests {
         // The last measure of the third counts; its teacher told no weights.
         assert_eq!(map.phases[2].success, [Some(1.0), Some(0.75), None, None]);
         assert!(map.phases[2].weights.is_empty());
+        // Nothing is known of the shadow at the untrained student's measure.
+        let [(name, shadow)] = &map.shadows[..] else { panic!("one shadow: {:?}", map.shadows) };
+        assert_eq!((name.as_str(), shadow[0].weights.len()), ("wren", 0));
+        assert_eq!(shadow[2].weights, [Some(0.0), Some(1.0), None, None]);
+        assert_eq!(shadow[2].success, map.phases[2].success);
         let mut elsewhere = lines;
         elsewhere[0].goals = Some(vec![vec![0.0; 3]; 3]);
-        assert_eq!(FrontierMap::of(&key, &maze, 90, [&elsewhere[..]]), None);
+        let nothing = FrontierMap::of(&key, (&maze, &catalogue), 90, [unwatched(&elsewhere[..])]);
+        assert_eq!(nothing, None);
     }
 }

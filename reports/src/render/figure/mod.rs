@@ -4,6 +4,7 @@
 //! several at the width of a page (7.16 inch). [`png`] renders the very same SVG; [`outlined`] frees it from
 //! fonts.
 
+mod agreement;
 mod axis;
 mod basis;
 mod canvas;
@@ -30,6 +31,7 @@ mod style;
 mod text;
 mod ticks;
 
+pub use agreement::{AgreementMatrix, agreement};
 pub use basis::Basis;
 pub use efficiency::efficiency;
 pub use forest::{aggregates, improvements};

@@ -1,13 +1,15 @@
 //! Checks that a single line cannot show: ranges, keys, order, completeness.
 
+mod shadow;
+
 use std::collections::BTreeMap;
 
-use super::limits::{self, Limits};
-use super::load::Loader;
-use super::run_folder::JsonLine;
-use crate::schema::{Frontier, Learning, Manifest, Outcome, Record, RunKey, Teaching, Timing};
+use crate::schema::{Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing};
 use crate::store::layout;
+use crate::store::limits::{self, Limits};
+use crate::store::load::Loader;
 use crate::store::problem::Fault;
+use crate::store::run_folder::JsonLine;
 use crate::wording::counted_u64;
 
 /// A line that belongs to one evaluation.
@@ -39,7 +41,7 @@ fn by_index<T: OfEvaluation>(loader: &mut Loader<'_>, manifest: &Manifest) -> BT
 /// The usable timings of `records`, by rising evaluation: one that stands at another step than its
 /// evaluation, or before the timing of the evaluation before it, is none. An ended run has one for every
 /// evaluation.
-pub(super) fn timings(
+pub(in crate::store) fn timings(
     loader: &mut Loader<'_>,
     manifest: &Manifest,
     records: &[Record],
@@ -71,17 +73,38 @@ pub(super) fn timings(
 }
 
 /// How the student's learning stood beside `records`, as far as it can be used, by rising evaluation.
-pub(super) fn learning(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Learning> {
+pub(in crate::store) fn learning(
+    loader: &mut Loader<'_>,
+    manifest: &Manifest,
+    records: &[Record],
+) -> Vec<Learning> {
     beside(loader, manifest, records, |line: &Learning| line.step)
 }
 
 /// The success at every goal of the pool beside `records`, as far as it can be used, by rising evaluation.
-pub(super) fn frontier(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Frontier> {
+pub(in crate::store) fn frontier(
+    loader: &mut Loader<'_>,
+    manifest: &Manifest,
+    records: &[Record],
+) -> Vec<Frontier> {
     beside(loader, manifest, records, |line: &Frontier| line.step)
 }
 
+/// What the shadows did before `records`, as far as it can be used, by rising evaluation.
+pub(in crate::store) fn shadowing(
+    loader: &mut Loader<'_>,
+    manifest: &Manifest,
+    records: &[Record],
+) -> Vec<Shadowing> {
+    beside(loader, manifest, records, |line: &Shadowing| line.step)
+}
+
 /// What the teacher did before `records`, as far as it can be used, by rising evaluation.
-pub(super) fn teaching(loader: &mut Loader<'_>, manifest: &Manifest, records: &[Record]) -> Vec<Teaching> {
+pub(in crate::store) fn teaching(
+    loader: &mut Loader<'_>,
+    manifest: &Manifest,
+    records: &[Record],
+) -> Vec<Teaching> {
     beside(loader, manifest, records, |line: &Teaching| line.step)
 }
 
@@ -107,7 +130,7 @@ fn beside<T: OfEvaluation>(
 }
 
 /// The usable evaluations of the run of `manifest`, by rising index and step.
-pub(super) fn records(loader: &mut Loader<'_>, manifest: &Manifest) -> Vec<Record> {
+pub(in crate::store) fn records(loader: &mut Loader<'_>, manifest: &Manifest) -> Vec<Record> {
     let found = by_index::<Record>(loader, manifest);
     let limits = Limits::of(manifest);
     let first = limits::first_step(found.values().map(|(_, record)| record));
@@ -212,12 +235,16 @@ impl OfEvaluation for Timing {
     }
 
     fn misfit(&self, _: &RunKey, _: &Limits) -> Option<Fault> {
-        let Self { wall_s, evaluation_s, teacher_s, learning_s, .. } = *self;
+        let Self { wall_s, evaluation_s, teacher_s, learning_s, shadow_s, .. } = *self;
         if !(wall_s.is_finite() && wall_s >= 0.0) {
             return range("wall_s", wall_s, "a number of at least 0");
         }
-        let parts =
-            [("evaluation_s", Some(evaluation_s)), ("teacher_s", teacher_s), ("learning_s", learning_s)];
+        let parts = [
+            ("evaluation_s", Some(evaluation_s)),
+            ("teacher_s", teacher_s),
+            ("learning_s", learning_s),
+            ("shadow_s", shadow_s),
+        ];
         let (field, value) = parts
             .into_iter()
             .filter_map(|(field, value)| Some((field, value?)))
@@ -325,7 +352,7 @@ impl OfEvaluation for Teaching {
 }
 
 /// Why the run of `manifest` with these `records` cannot have ended as `outcome` says; `None` if it can.
-pub(super) fn misfit(outcome: &Outcome, manifest: &Manifest, records: &[Record]) -> Option<String> {
+pub(in crate::store) fn misfit(outcome: &Outcome, manifest: &Manifest, records: &[Record]) -> Option<String> {
     let limits = Limits::of(manifest);
     let last = records.last().map(|record| record.step);
     let most = limits::first_step(records.iter()).and_then(|first| limits.last_step(first));
