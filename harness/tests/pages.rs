@@ -55,7 +55,8 @@ fn every_command_and_option_is_on_its_page() {
 #[test]
 fn every_field_of_a_runs_files_is_explained() {
     let folder = tempfile::tempdir().expect("a folder");
-    support::toy(folder.path(), &["--set", "frontier.every=2", "--set", "frontier.episodes=1"]);
+    let measured = ["--set", "frontier.every=2", "--set", "frontier.episodes=1", "--shadow", "procurl,plr"];
+    support::toy(folder.path(), &measured);
     let run = folder.path().join("runs/Point/teach/default/seed-0");
     let page = help(&["records"]);
     for (name, least) in [
@@ -64,6 +65,7 @@ fn every_field_of_a_runs_files_is_explained() {
         ("teaching.jsonl", 8),
         ("student.jsonl", 9),
         ("frontier.jsonl", 6),
+        ("shadow.jsonl", 4),
         ("timing.jsonl", 6),
         ("outcome.json", 1),
     ] {

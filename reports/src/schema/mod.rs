@@ -183,7 +183,7 @@ impl Frontier {
 
 /// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which runs have
 /// whose student other teachers watched. Nothing in it depends on the clock.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shadowing {
     /// The evaluation that it leads up to.
@@ -197,7 +197,7 @@ pub struct Shadowing {
 }
 
 /// What one shadow did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShadowNote {
     /// Curriculum id.

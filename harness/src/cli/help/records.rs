@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reports::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, Teaching, Timing};
+use reports::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, Shadowing, Teaching, Timing};
 use reports::store::layout;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -39,6 +39,7 @@ pub(super) fn page() -> String {
         of::<Teaching>(layout::TEACHING),
         of::<Learning>(layout::STUDENT),
         of::<Frontier>(layout::FRONTIER),
+        of::<Shadowing>(layout::SHADOW),
         of::<Timing>(layout::TIMING),
         of::<Outcome>(layout::OUTCOME),
         of::<Crash>(layout::CRASHES),
@@ -78,14 +79,17 @@ fn rows(schema: &Json, path: &str, text: &mut String) {
         let meaning = about(field).replace('|', "\\|").replace("\n\n", " ");
         let _ = writeln!(text, "| `{path}` | `{}` | {meaning} |", kind(field));
         rows(field, &path, text);
+        rows(&field["items"], &format!("{path}[]"), text);
     }
 }
 
 /// The type of a field, as in `number[][]` or `(integer or null)[]`.
 fn kind(schema: &Json) -> String {
+    let tuple = |items: &Vec<Json>| items.iter().map(kind).collect::<Vec<_>>().join(", ");
     let word = |name: &Json| match name.as_str().unwrap_or_default() {
+        "array" if let Some(items) = schema["prefixItems"].as_array() => format!("[{}]", tuple(items)),
         "array" => match kind(&schema["items"]) {
-            items if items.contains(' ') => format!("({items})[]"),
+            items if items.contains(" or ") => format!("({items})[]"),
             items => format!("{items}[]"),
         },
         other => other.to_owned(),

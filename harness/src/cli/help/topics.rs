@@ -59,6 +59,7 @@ pub(super) static TOPICS: &[Topic] = &[
     written!("curricula", "the teachers, what they record, and adding one in Rust"),
     written!("python", "a curriculum in Python, or any other language"),
     written!("reports", "figures, tables, statistics, and the ledger of the paper's claims"),
+    written!("instruments", "what every curriculum would do, and what the student can really do"),
     written!("sharing", "policies for other programs, results as one file, a wheel"),
     written!("regression", "finding out whether a change makes a method learn worse"),
     written!("cohorts", "many runs in lockstep, for a GPU"),
