@@ -1,4 +1,5 @@
-//! What students could really do at every goal of their pools: whether teachers see the frontier, and maps of it.
+//! What students could really do at every goal of their pools: whether teachers see the frontier, and maps of
+//! it.
 
 use super::files::file_name;
 use super::{Artefact, Drawing, Repeated, Section, columns};

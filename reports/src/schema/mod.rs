@@ -152,8 +152,8 @@ impl Learning {
     }
 }
 
-/// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have that were
-/// asked to measure it. Nothing in it depends on the clock.
+/// The success that the student had at every goal of the pool: a line of `frontier.jsonl`, which runs have
+/// that were asked to measure it. Nothing in it depends on the clock.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frontier {
@@ -168,8 +168,8 @@ pub struct Frontier {
     /// The goals of the pool, `[N][G]`, in single precision; in the first line alone, for they stay the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goals: Option<Vec<Vec<f32>>>,
-    /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for teachers
-    /// that do not weigh the pool.
+    /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for
+    /// teachers that do not weigh the pool.
     pub weights: Option<Vec<f32>>,
 }
 
@@ -180,8 +180,8 @@ impl Frontier {
     }
 }
 
-/// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which runs have
-/// whose student other teachers watched. Nothing in it depends on the clock.
+/// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which
+/// runs have whose student other teachers watched. Nothing in it depends on the clock.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shadowing {
@@ -201,11 +201,11 @@ pub struct Shadowing {
 pub struct ShadowNote {
     /// Curriculum id.
     pub id: String,
-    /// Its probability of every goal of the pool now, `[N]`, in single precision; `null` for teachers that do not
-    /// weigh the pool, and for one that has failed.
+    /// Its probability of every goal of the pool now, `[N]`, in single precision; `null` for teachers that do
+    /// not weigh the pool, and for one that has failed.
     pub weights: Option<Vec<f32>>,
-    /// Which goals of the pool it proposed, by rising index, and for how many of the episodes; a goal from elsewhere
-    /// counts for the one of the pool that is nearest.
+    /// Which goals of the pool it proposed, by rising index, and for how many of the episodes; a goal from
+    /// elsewhere counts for the one of the pool that is nearest.
     pub picks: Vec<(u32, u32)>,
     /// How many of its proposals were goals from elsewhere.
     pub elsewhere: u64,

@@ -106,7 +106,8 @@ fn tables_data_and_maps_by_hand() {
         seal(&folder);
     };
     let untrained = || measure(0, [0; 4], Some([0.25; 4]));
-    // Intermediate: the second goal, which has the highest weight; then the third, which ties with one of three.
+    // Intermediate: the second goal, which has the highest weight; then the third, which ties with one of
+    // three.
     let first = measure(1, [5, 2, 0, 0], Some([0.2, 0.4, 0.2, 0.2]));
     let second = measure(2, [5, 5, 1, 0], Some([0.5, 0.3, 0.1, 0.1]));
     run("nova", 0, &[untrained(), first.clone(), second]);

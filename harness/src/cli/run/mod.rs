@@ -35,8 +35,8 @@ pub(super) struct Args {
     /// Curricula instead of the protocol's, separated by commas
     #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
-    /// Curricula that watch each run and propose goals that nobody plays, separated by commas, or `all`; short for
-    /// --set shadow=[ID,...]
+    /// Curricula that watch each run and propose goals that nobody plays, separated by commas, or `all`;
+    /// short for --set shadow=[ID,...]
     #[arg(long, value_name = "all|ID,...", value_delimiter = ',', value_parser = name)]
     shadow: Vec<String>,
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! What lies between turns: the student is evaluated, diagnosed and, on request, measured at every goal of the
-//! pool. None of it changes what the run does next.
+//! What lies between turns: the student is evaluated, diagnosed and, on request, measured at every goal of
+//! the pool. None of it changes what the run does next.
 
 use curricula::TeacherSummary;
 use envs::rng::Purpose;

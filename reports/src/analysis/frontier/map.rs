@@ -11,11 +11,11 @@ use crate::store::Run;
 /// The last measures of a third of training, by cell of the goals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrontierPhase {
-    /// Success rate at the goals of each cell; `None` where none lies. Shape: `[side * side]`; empty without a
-    /// measure.
+    /// Success rate at the goals of each cell; `None` where none lies. Shape: `[side * side]`; empty without
+    /// a measure.
     pub success: Vec<Option<f64>>,
-    /// The teacher's probability of a goal in each cell, mean over runs; `None` where no goal lies. Shape: `[side *
-    /// side]`; empty without a measure that has weights.
+    /// The teacher's probability of a goal in each cell, mean over runs; `None` where no goal lies. Shape:
+    /// `[side * side]`; empty without a measure that has weights.
     pub weights: Vec<Option<f64>>,
 }
 
@@ -106,8 +106,9 @@ impl Sums {
 }
 
 impl FrontierMap {
-    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each run the
-    /// last measure of every third counts. `None` if no run has measures with goals that are positions in the plane.
+    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each
+    /// run the last measure of every third counts. `None` if no run has measures with goals that are
+    /// positions in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         (maze, catalogue): (&MazeInfo, &Catalogue),
@@ -132,8 +133,8 @@ impl FrontierMap {
     }
 }
 
-/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights of the
-/// teacher in this place.
+/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights
+/// of the teacher in this place.
 fn phase(
     maze: &MazeInfo,
     runs: &[(MappedRun<'_>, Vec<usize>)],

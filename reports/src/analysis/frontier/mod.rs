@@ -1,5 +1,5 @@
-//! What students could really do at every goal of their pools, and what follows from it: whether teachers find the
-//! goals of intermediate success, what was ever solved and forgotten, how the hardest goals fare.
+//! What students could really do at every goal of their pools, and what follows from it: whether teachers
+//! find the goals of intermediate success, what was ever solved and forgotten, how the hardest goals fare.
 
 pub mod border;
 pub mod coverage;
