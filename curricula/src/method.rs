@@ -140,8 +140,9 @@ pub trait Method: Sized + Send + Sync + 'static {
     /// [`CurriculumError`] if the student's values are unusable (NaN).
     fn propose(&self, state: &mut Self::State, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError>;
 
-    /// Hears of a finished training episode. Its goal is `episode.goal`, which another teacher may have chosen: one
-    /// that looks on as a shadow hears of the episodes of the teacher that acts, whatever it proposed itself.
+    /// Hears of a finished training episode. Its goal is `episode.goal`, which another teacher may have
+    /// chosen: one that looks on as a shadow hears of the episodes of the teacher that acts, whatever it
+    /// proposed itself.
     ///
     /// # Errors
     /// [`CurriculumError`] if the episode is not of the teacher's task.

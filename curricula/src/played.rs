@@ -1,12 +1,12 @@
-//! Which goal of a pool an episode tells of. A teacher that hears of an episode need not have chosen its goal: another
-//! one may act while it looks on.
+//! Which goal of a pool an episode tells of. A teacher that hears of an episode need not have chosen its
+//! goal: another one may act while it looks on.
 
 use envs::Goals;
 
 use crate::replayed::distance;
 
-/// The goal of `pool`, shape `[N, G]`, that is nearest to `goal`, shape `[G]`, in Euclidean distance; the first of
-/// several.
+/// The goal of `pool`, shape `[N, G]`, that is nearest to `goal`, shape `[G]`, in Euclidean distance; the
+/// first of several.
 ///
 /// ```
 /// let mut pool = envs::Goals::new(1);
@@ -21,8 +21,8 @@ pub fn nearest_goal(pool: &Goals, goal: &[f64]) -> usize {
     apart.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a pool has goals").0
 }
 
-/// The goal of `pool` that an episode towards `goal` tells of: the `proposed` one if it is that, else the nearest one,
-/// which is `goal` itself if the pool holds it.
+/// The goal of `pool` that an episode towards `goal` tells of: the `proposed` one if it is that, else the
+/// nearest one, which is `goal` itself if the pool holds it.
 ///
 /// # Panics
 /// If the pool is empty, or `proposed` is none of its goals.

@@ -54,8 +54,9 @@ impl Regions {
         self.of[goal]
     }
 
-    /// The region that an episode towards `goal`, shape `[G]`, tells of: the `proposed` one if one of its goals is
-    /// that, else the region of the goal of the pool that is nearest. `pool` is the one that was cut.
+    /// The region that an episode towards `goal`, shape `[G]`, tells of: the `proposed` one if one of its
+    /// goals is that, else the region of the goal of the pool that is nearest. `pool` is the one that was
+    /// cut.
     pub(crate) fn told_of(&self, pool: &Goals, goal: &[f64], proposed: Option<usize>) -> usize {
         let holds_it = |region: &usize| self.members(*region).iter().any(|&member| pool.row(member) == goal);
         proposed.filter(holds_it).unwrap_or_else(|| self.of(nearest_goal(pool, goal)))

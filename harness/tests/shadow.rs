@@ -14,8 +14,8 @@ use reports::schema::{Manifest, Shadowing};
 use reports::store::{Results, RunFolder, layout};
 use support::{goalbench, refused, stderr, toy, toy_args};
 
-/// Long enough to be killed in. A teacher of the pool, one whose rollouts lie between evaluations and one whose goals
-/// are the environment's own.
+/// Long enough to be killed in. A teacher of the pool, one whose rollouts lie between evaluations and one
+/// whose goals are the environment's own.
 const LONGER: [&str; 22] = [
     "--curriculum",
     "teach,sfl,her-iid",

@@ -1,5 +1,5 @@
-//! Teachers that look on while another one acts: what they hear counts for the goal that was played, not for the one
-//! that they proposed.
+//! Teachers that look on while another one acts: what they hear counts for the goal that was played, not for
+//! the one that they proposed.
 
 use agents::{Episode, Trajectory};
 use curricula::testing::{Class, standing_still};

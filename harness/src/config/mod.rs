@@ -54,10 +54,10 @@ pub struct RunConfig {
     /// Seeds of single random streams.
     #[serde(default)]
     pub seed: StreamSeeds,
-    /// Curricula whose teachers watch the student as shadows: they hear of every episode and every update, as the
-    /// teacher that acts does, and propose a goal for every episode, which nobody plays. With and without them a
-    /// run trains, and records everything else, in the same way. `all` stands for every curriculum that has all it
-    /// needs; the one that acts is left out.
+    /// Curricula whose teachers watch the student as shadows: they hear of every episode and every update, as
+    /// the teacher that acts does, and propose a goal for every episode, which nobody plays. With and without
+    /// them a run trains, and records everything else, in the same way. `all` stands for every curriculum
+    /// that has all it needs; the one that acts is left out.
     ///
     /// Source: a choice.
     // Empty it leaves no trace in manifests: runs keep the hashes that they had before this field.
@@ -65,7 +65,8 @@ pub struct RunConfig {
     pub shadow: Vec<String>,
     /// The student's hyper-parameters, every `auto` that stands for a number replaced by it.
     pub student: StudentConfig,
-    /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`, and that of each shadow under its.
+    /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`, and that of each shadow
+    /// under its.
     #[schemars(with = "()")]
     pub curriculum: Table,
 }

@@ -14,8 +14,9 @@ pub const ALL: &str = "all";
 /// Path of the field.
 const FIELD: &str = "shadow";
 
-/// The ids of the shadows of a run in which `own` acts, as `written` names them: each once, without the one that
-/// acts, in the order of the registry. `lacks` tells whether a curriculum lacks what it cannot teach without.
+/// The ids of the shadows of a run in which `own` acts, as `written` names them: each once, without the one
+/// that acts, in the order of the registry. `lacks` tells whether a curriculum lacks what it cannot teach
+/// without.
 ///
 /// # Errors
 /// The first name that is no curriculum's.

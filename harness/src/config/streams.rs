@@ -30,7 +30,8 @@ pub struct StreamSeeds {
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub replay: Auto<u64>,
-    /// What the teacher draws, the initial weights of its own networks, and its probe rollouts; the same of shadows.
+    /// What the teacher draws, the initial weights of its own networks, and its probe rollouts; the same of
+    /// shadows.
     ///
     /// Unit: none. Range: at least 0. Auto: the run's own seed. Source: a choice.
     pub teacher: Auto<u64>,

@@ -1,8 +1,9 @@
 //! Shadows: teachers that watch a run's student and propose a goal for every episode, while another one acts.
 //!
-//! A shadow hears of every episode and of every update as the teacher that acts does, with the student of that moment
-//! as its critic. What it draws comes from streams of its own, and the probe rollouts that it asks for are played at
-//! once, on an instance of the environment of its own, and charged to nobody. One that fails is silent from then on.
+//! A shadow hears of every episode and of every update as the teacher that acts does, with the student of
+//! that moment as its critic. What it draws comes from streams of its own, and the probe rollouts that it
+//! asks for are played at once, on an instance of the environment of its own, and charged to nobody. One that
+//! fails is silent from then on.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,7 +27,8 @@ use crate::error::chain;
 /// All shadows of a run.
 pub(super) struct Shadows {
     shadows: Vec<Shadow>,
-    /// The run's pool, also of teachers that do not choose from it: every proposal is counted for one of its goals.
+    /// The run's pool, also of teachers that do not choose from it: every proposal is counted for one of its
+    /// goals.
     pool: Arc<Goals>,
     /// Training episodes since the last evaluation.
     episodes: u64,
@@ -83,10 +85,12 @@ enum Unusable {
 }
 
 impl Shadows {
-    /// Those that the config of the run `key` names, for a task of `spec` and a `pool`; `make` makes instances of it.
+    /// Those that the config of the run `key` names, for a task of `spec` and a `pool`; `make` makes
+    /// instances of it.
     ///
     /// # Errors
-    /// [`EnvError`] if an instance cannot be made. A teacher that cannot be built is silent from the beginning.
+    /// [`EnvError`] if an instance cannot be made. A teacher that cannot be built is silent from the
+    /// beginning.
     ///
     /// # Panics
     /// If `registry` lacks one of them: configs are checked when they are resolved.
@@ -121,8 +125,8 @@ impl Shadows {
         self.shadows.is_empty()
     }
 
-    /// All propose a goal for the episode that begins in `start`. `env` has drawn a goal of its own for it, and the
-    /// run is at `step`.
+    /// All propose a goal for the episode that begins in `start`. `env` has drawn a goal of its own for it,
+    /// and the run is at `step`.
     pub(super) fn propose(
         &mut self,
         step: u64,
@@ -226,7 +230,8 @@ impl Shadows {
 }
 
 impl Shadow {
-    /// What `work` makes of the teacher and its stream; nothing from one that is silent. The first error silences it.
+    /// What `work` makes of the teacher and its stream; nothing from one that is silent. The first error
+    /// silences it.
     fn attempt<T>(
         &mut self,
         step: u64,

@@ -181,8 +181,8 @@ impl Frontier {
     }
 }
 
-/// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which runs have
-/// whose student other teachers watched. Nothing in it depends on the clock.
+/// What the shadows of a run would have done since the evaluation before: a line of `shadow.jsonl`, which
+/// runs have whose student other teachers watched. Nothing in it depends on the clock.
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shadowing {
@@ -202,11 +202,11 @@ pub struct Shadowing {
 pub struct ShadowNote {
     /// Curriculum id.
     pub id: String,
-    /// Its probability of every goal of the pool now, `[N]`, in single precision; `null` for teachers that do not
-    /// weigh the pool, and for one that has failed.
+    /// Its probability of every goal of the pool now, `[N]`, in single precision; `null` for teachers that do
+    /// not weigh the pool, and for one that has failed.
     pub weights: Option<Vec<f32>>,
-    /// Which goals of the pool it proposed, by rising index, and for how many of the episodes; a goal from elsewhere
-    /// counts for the one of the pool that is nearest.
+    /// Which goals of the pool it proposed, by rising index, and for how many of the episodes; a goal from
+    /// elsewhere counts for the one of the pool that is nearest.
     pub picks: Vec<(u32, u32)>,
     /// How many of its proposals were goals from elsewhere.
     pub elsewhere: u64,

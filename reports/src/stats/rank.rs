@@ -12,8 +12,8 @@ pub struct RankOrder {
 }
 
 impl RankOrder {
-    /// The order of `scores`, `[n]`, of which the highest are a `share`, rounded up. Where values are equal at the
-    /// border, chance chooses among them.
+    /// The order of `scores`, `[n]`, of which the highest are a `share`, rounded up. Where values are equal
+    /// at the border, chance chooses among them.
     pub fn of(scores: &[f64], share: f64) -> Self {
         let n = scores.len() as f64;
         let middle = (n + 1.0) / 2.0;
@@ -52,8 +52,9 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Spearman's rank correlation of two scores, both `[n]`, in [-1, 1]: Pearson's correlation of their ranks, of which
-/// equal values share the mean. `None` where one of them makes no difference between the things, or there are none.
+/// Spearman's rank correlation of two scores, both `[n]`, in [-1, 1]: Pearson's correlation of their ranks,
+/// of which equal values share the mean. `None` where one of them makes no difference between the things, or
+/// there are none.
 ///
 /// ```
 /// // Ranks 1, 2, 3, 4 and 2, 1, 4, 3: 1 - 6 · 4 / (4 · 15).
@@ -67,9 +68,9 @@ pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
     RankOrder::of(a, 1.0).correlation(&RankOrder::of(b, 1.0))
 }
 
-/// What share of the highest `share` of `a` is among those of `b` as well, both `[n]`, in [0, 1]. Where values are
-/// equal at the border, it is the expectation if chance chose among them, for each score by itself: `share` for scores
-/// that make no difference. `None` of nothing.
+/// What share of the highest `share` of `a` is among those of `b` as well, both `[n]`, in [0, 1]. Where
+/// values are equal at the border, it is the expectation if chance chose among them, for each score by
+/// itself: `share` for scores that make no difference. `None` of nothing.
 ///
 /// ```
 /// use reports::stats::top_overlap;

@@ -101,8 +101,8 @@ pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(),
         return Err(altered(folder, layout::CHECKSUMS, "belongs to a run with another config"));
     }
     for name in FOUND {
-        // Old versions did not record what teachers did, nor how students learned; measures of the frontier are
-        // made on request, as shadows are.
+        // Old versions did not record what teachers did, nor how students learned; measures of the frontier
+        // are made on request, as shadows are.
         let never_was = !noted.sha256.contains_key(name) && name != layout::RECORDS && !folder.has(name)?;
         if !never_was {
             noted.check(folder, name)?;

@@ -7,8 +7,8 @@ use super::problem::StoreProblem;
 use super::{Results, Run, RunFolder, check};
 use crate::schema::Shadowing;
 
-/// What a run's shadows would have done, by rising evaluation, and what is wrong with the file. Runs without shadows
-/// have no such file: nothing, and no problem.
+/// What a run's shadows would have done, by rising evaluation, and what is wrong with the file. Runs without
+/// shadows have no such file: nothing, and no problem.
 pub fn shadowing(results: &Path, run: &Run) -> (Vec<Shadowing>, Vec<StoreProblem>) {
     let folder = RunFolder::of(results, run.key());
     let results = Results::new(results);

@@ -151,12 +151,8 @@ fn tables_data_and_maps_by_hand() {
 
     // Correlations 1, 1, -1 and 1, none, 1; of four goals the highest one counts, by chance one of four.
     let root = f64::sqrt(2.0);
-    let expected = format!(
-        "Four,nova,default,nova,wren,2,1.0,0.0,1.0,,0.0,{},1.0,0.0,0.625,{},0.5,{}",
-        2.0 / root,
-        0.75 / root,
-        1.0 / root
-    );
+    let [a, b, c] = [2.0, 0.75, 1.0].map(|deviation| deviation / root);
+    let expected = format!("Four,nova,default,nova,wren,2,1.0,0.0,1.0,,0.0,{a},1.0,0.0,0.625,{b},0.5,{c}");
     let agreement = rows("agreement.csv");
     assert_eq!(agreement.len(), 1, "moss weighs nothing: {agreement:?}");
     let numbers = |row: &str| -> Vec<Option<f64>> { row.split(',').map(|text| text.parse().ok()).collect() };

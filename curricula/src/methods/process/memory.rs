@@ -108,8 +108,8 @@ impl Memory {
         };
     }
 
-    /// Remembers how the episode towards `goal`, shape `[G]`, ended: the index of that in `pool`, if it is of the
-    /// pool. Another teacher may have chosen it.
+    /// Remembers how the episode towards `goal`, shape `[G]`, ended: the index of that in `pool`, if it is of
+    /// the pool. Another teacher may have chosen it.
     pub(super) fn observe(&mut self, pool: &Goals, goal: &[f64], success: bool) -> Option<usize> {
         let index = told_of(pool, goal, self.proposed.take());
         if pool.row(index) != goal {

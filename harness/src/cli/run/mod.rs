@@ -36,8 +36,8 @@ pub(super) struct Args {
     /// Curricula instead of the protocol's, separated by commas
     #[arg(long = "curriculum", value_name = "ID,...", value_delimiter = ',', value_parser = name)]
     curricula: Vec<String>,
-    /// Curricula that watch each run and propose goals that nobody plays, separated by commas, or `all`; short for
-    /// --set shadow=[ID,...]
+    /// Curricula that watch each run and propose goals that nobody plays, separated by commas, or `all`;
+    /// short for --set shadow=[ID,...]
     #[arg(long, value_name = "all|ID,...", value_delimiter = ',', value_parser = name)]
     shadow: Vec<String>,
     #[command(flatten)]
@@ -163,7 +163,8 @@ fn check_executor(args: &Args) -> Result<(), HarnessError> {
 }
 
 impl Args {
-    /// Where the runs of the protocol `name` lie once the command has ended; `None` if it carries out none here.
+    /// Where the runs of the protocol `name` lie once the command has ended; `None` if it carries out none
+    /// here.
     pub(super) fn results(&self, name: &str) -> Option<PathBuf> {
         let stays_here = self.executor == Executor::Local && !self.dry_run && !self.print_config;
         stays_here.then(|| results(self, name))

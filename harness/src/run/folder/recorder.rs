@@ -144,7 +144,8 @@ impl Log {
 }
 
 /// Writes a run's `records.jsonl`, `teaching.jsonl`, `student.jsonl`, `timing.jsonl`, `frontier.jsonl` and
-/// `shadow.jsonl` where there is anything to write into them and, at last, `checksums.json` and `outcome.json`.
+/// `shadow.jsonl` where there is anything to write into them and, at last, `checksums.json` and
+/// `outcome.json`.
 pub struct Recorder {
     folder: RunFolder,
     records: Log,

@@ -1,5 +1,5 @@
-//! The border of what a student can do, where no goal by itself has intermediate success: with a fixed start a greedy
-//! student reaches a goal always or never. Goals that it reaches lie next to goals that it does not.
+//! The border of what a student can do, where no goal by itself has intermediate success: with a fixed start
+//! a greedy student reaches a goal always or never. Goals that it reaches lie next to goals that it does not.
 
 /// How many goals of the pool count together: a goal and those next to it.
 pub const TOGETHER: usize = 10;
@@ -12,7 +12,8 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Of the pool `goals`, `[N][G]`, by Euclidean distance: [`TOGETHER`] for each, itself among them, or all there are.
+    /// Of the pool `goals`, `[N][G]`, by Euclidean distance: [`TOGETHER`] for each, itself among them, or all
+    /// there are.
     pub fn of(goals: &[Vec<f32>]) -> Self {
         Self { goals: (0..goals.len()).map(|goal| nearest(goals, goal, TOGETHER)).collect() }
     }

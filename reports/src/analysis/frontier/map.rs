@@ -106,8 +106,9 @@ impl Sums {
 }
 
 impl FrontierMap {
-    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each run the
-    /// last measure of every third counts. `None` if no run has measures with goals that are positions in the plane.
+    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each
+    /// run the last measure of every third counts. `None` if no run has measures with goals that are
+    /// positions in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         (maze, catalogue): (&MazeInfo, &Catalogue),
@@ -132,8 +133,8 @@ impl FrontierMap {
     }
 }
 
-/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights of the
-/// teacher in this place.
+/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights
+/// of the teacher in this place.
 fn phase(
     maze: &MazeInfo,
     runs: &[(MappedRun<'_>, Vec<usize>)],

@@ -25,11 +25,11 @@ pub fn is_intermediate(rate: f64) -> bool {
 pub struct MeasureSight {
     /// Share of the goals that are such.
     pub share: f64,
-    /// [`stats::auc`] of the teacher's weights for these goals; `None` for a teacher without weights, and where all
-    /// goals are such or none is.
+    /// [`stats::auc`] of the teacher's weights for these goals; `None` for a teacher without weights, and
+    /// where all goals are such or none is.
     pub auc: Option<f64>,
-    /// Share of the goals that the teacher proposed since the evaluation before, by episodes, that are such; `None`
-    /// where that is not known.
+    /// Share of the goals that the teacher proposed since the evaluation before, by episodes, that are such;
+    /// `None` where that is not known.
     pub proposed: Option<f64>,
 }
 
@@ -39,8 +39,8 @@ impl MeasureSight {
         Self::of_wanted(&measure.rates(), measure.weights.as_deref(), &[])
     }
 
-    /// How a teacher with these `weights`, `[N]`, and `picks`, goals of the pool with how often they were proposed,
-    /// tells the goals whose `rates`, `[N]`, are intermediate.
+    /// How a teacher with these `weights`, `[N]`, and `picks`, goals of the pool with how often they were
+    /// proposed, tells the goals whose `rates`, `[N]`, are intermediate.
     pub fn of_wanted(rates: &[f64], weights: Option<&[f32]>, picks: &[(u32, u32)]) -> Self {
         let such: Vec<bool> = rates.iter().map(|&rate| is_intermediate(rate)).collect();
         let count = such.iter().filter(|&&such| such).count();
@@ -124,8 +124,8 @@ enum Truth {
 }
 
 impl SightMeans {
-    /// Of the teacher in this place in `runs`; `None` if none of them was measured after training had begun. The
-    /// untrained student's measure is left out: no teacher has seen it learn yet.
+    /// Of the teacher in this place in `runs`; `None` if none of them was measured after training had begun.
+    /// The untrained student's measure is left out: no teacher has seen it learn yet.
     fn of(runs: &[&Run], analysis: &Analysis<'_>, place: usize, truth: Truth) -> Option<(usize, Self)> {
         let sight = |run: &&Run| RunSight::of(&sights(run, analysis, place, truth));
         let runs: Vec<RunSight> = runs.iter().filter_map(sight).collect();
@@ -167,8 +167,8 @@ fn sights(run: &Run, analysis: &Analysis<'_>, place: usize, truth: Truth) -> Vec
 }
 
 impl SightSummary {
-    /// The numbers of a group's teachers, the one that acted first, then those that watched; none if none of its runs
-    /// was measured after training had begun.
+    /// The numbers of a group's teachers, the one that acted first, then those that watched; none if none of
+    /// its runs was measured after training had begun.
     pub fn of(group: &Group<'_>, analysis: &Analysis<'_>) -> Vec<Self> {
         let watched = group.runs.iter().find_map(|run| analysis.shadow.of_run(run));
         let shadows = watched.map_or(&[][..], |watched| &watched.teachers[1..]);

@@ -13,8 +13,8 @@ use crate::stats::{self, Ddof, RankOrder};
 pub struct Agreement {
     /// Their places among the run's teachers.
     pub pair: (usize, usize),
-    /// Mean over the evaluations of each third of the rank correlation of their weights; `None` where it was never
-    /// defined.
+    /// Mean over the evaluations of each third of the rank correlation of their weights; `None` where it was
+    /// never defined.
     pub correlation: [Option<f64>; 3],
     /// The same of the overlap of the goals that they want most.
     pub overlap: [Option<f64>; 3],

@@ -1,5 +1,5 @@
-//! What teachers that watched a student would have done, beside the one that acted: how far they agree, and what each
-//! of them wanted where the student's success was measured.
+//! What teachers that watched a student would have done, beside the one that acted: how far they agree, and
+//! what each of them wanted where the student's success was measured.
 
 pub mod agreement;
 
@@ -56,8 +56,8 @@ pub struct ShadowLine {
     pub proposals: (u64, u64),
     /// Different goals of the pool among them.
     pub goals: u64,
-    /// Rank correlation of its weights with those of the teacher that acted; `None` where one of them has none, or
-    /// makes no difference between goals.
+    /// Rank correlation of its weights with those of the teacher that acted; `None` where one of them has
+    /// none, or makes no difference between goals.
     pub correlation: Option<f64>,
     /// Overlap of the goals that the two want most; `None` where one of them has no weights.
     pub overlap: Option<f64>,
@@ -70,13 +70,14 @@ pub struct ShadowLine {
 pub struct Wanted {
     /// Its probability of every goal of the pool, `[N]`.
     pub weights: Option<Vec<f32>>,
-    /// Goals of the pool that it proposed since the evaluation before, or that were nearest to those, and how often.
+    /// Goals of the pool that it proposed since the evaluation before, or that were nearest to those, and how
+    /// often.
     pub picks: Vec<(u32, u32)>,
 }
 
 impl ShadowFiles {
-    /// Those of all runs of `store`, which lies in the folder `results` and has these `frontiers`. They are read run by
-    /// run, and what is not needed any more is let go: all of it together would not be small.
+    /// Those of all runs of `store`, which lies in the folder `results` and has these `frontiers`. They are
+    /// read run by run, and what is not needed any more is let go: all of it together would not be small.
     pub fn of(results: &Path, store: &Store, frontiers: &FrontierFiles) -> Self {
         let read = |run: &Run| {
             let (lines, mut problems) = store::shadowing(results, run);
@@ -106,8 +107,8 @@ impl ShadowFiles {
 }
 
 impl WatchedRun {
-    /// Of the run in which `own` acted, as it tells in `teaching`, up to step `end`: its shadows' `lines` and its
-    /// `measures`, all by rising evaluation.
+    /// Of the run in which `own` acted, as it tells in `teaching`, up to step `end`: its shadows' `lines` and
+    /// its `measures`, all by rising evaluation.
     pub fn of(
         own: &str,
         end: u64,
@@ -177,7 +178,8 @@ fn shadow_line(
     }
 }
 
-/// What the teacher that acts did, counted as its shadows' proposals are; `goals` are those of the pool, `[N][G]`.
+/// What the teacher that acts did, counted as its shadows' proposals are; `goals` are those of the pool,
+/// `[N][G]`.
 fn wanted_by_own(line: &Teaching, goals: &[Vec<f32>]) -> Wanted {
     let mut counts: BTreeMap<u32, u32> = BTreeMap::new();
     for (index, goal) in line.goals.iter().enumerate() {

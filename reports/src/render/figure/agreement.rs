@@ -1,4 +1,5 @@
-//! How alike teachers order the goals of a pool that saw the same student: a matrix for each third of its training.
+//! How alike teachers order the goals of a pool that saw the same student: a matrix for each third of its
+//! training.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};

@@ -32,9 +32,9 @@ pub fn frontier(frontier: &MazeFrontier<'_>) -> Result<String, ReportError> {
     sheet.draw()
 }
 
-/// The probability of a cell at the end of the colour scale, and whether it is the highest one. Where there are
-/// shadows, it is the median of the rows' highest: a teacher that wants a single goal would leave the maps of all
-/// others white.
+/// The probability of a cell at the end of the colour scale, and whether it is the highest one. Where there
+/// are shadows, it is the median of the rows' highest: a teacher that wants a single goal would leave the
+/// maps of all others white.
 fn scale_end(frontier: &MazeFrontier<'_>) -> (f64, bool) {
     let highest = |phases: &[FrontierPhase; 3]| {
         let shares = phases.iter().flat_map(|phase| &phase.weights).flatten().copied();
@@ -53,8 +53,8 @@ fn scale_end(frontier: &MazeFrontier<'_>) -> (f64, bool) {
     }
 }
 
-/// The maps of one method, and a row for each teacher that watched it; `most` is the end of the colour scale of
-/// probabilities.
+/// The maps of one method, and a row for each teacher that watched it; `most` is the end of the colour scale
+/// of probabilities.
 fn rows(map: &FrontierMap, most: f64) -> Vec<MazeRow> {
     let watched = map.shadows.iter().map(|(title, phases)| row(title.clone(), phases, most));
     [row(map.key.name(), &map.phases, most)].into_iter().chain(watched).collect()
