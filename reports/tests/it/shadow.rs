@@ -103,6 +103,17 @@ fn an_ended_run_has_the_shadows_that_it_ended_with() {
     assert_eq!(problems(), [altered]);
 }
 
+fn assert_close(found: &[Option<f64>], expected: &[Option<f64>]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (one, other) in found.iter().zip(expected) {
+        let same = match (one, other) {
+            (Some(one), Some(other)) => (one - other).abs() < 1e-12,
+            (one, other) => one == other,
+        };
+        assert!(same, "{found:?} is not {expected:?}");
+    }
+}
+
 /// A goal in each cell of a maze of two by two.
 const GOALS: [[f32; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
 
@@ -156,13 +167,7 @@ fn tables_data_and_maps_by_hand() {
     let agreement = rows("agreement.csv");
     assert_eq!(agreement.len(), 1, "moss weighs nothing: {agreement:?}");
     let numbers = |row: &str| -> Vec<Option<f64>> { row.split(',').map(|text| text.parse().ok()).collect() };
-    for (found, expected) in numbers(&agreement[0]).into_iter().zip(numbers(&expected)) {
-        let same = match (found, expected) {
-            (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
-            (found, expected) => found == expected,
-        };
-        assert!(same, "{} is not {expected:?}", agreement[0]);
-    }
+    assert_close(&numbers(&agreement[0]), &numbers(&expected));
 
     // In the first measure the first goal is one of intermediate success, in the second one the last.
     let sight = rows("frontier.csv");
