@@ -3,8 +3,7 @@
 Needs torch; to play also gymnasium-robotics 1.4.2 with mujoco 3.3.7. Mazes (and worlds of your own) are no part of
 Gymnasium-Robotics: of those `Policy.act` gives the actions, and `goalbench evaluate` plays them.
 """
-import json
-import sys
+import hashlib, json, sys
 from pathlib import Path
 
 import torch
@@ -16,13 +15,14 @@ class Policy:
     def __init__(self, folder):
         self.about = json.loads((Path(folder) / "policy.json").read_text())
         raw = (Path(folder) / "policy.safetensors").read_bytes()
+        if self.about["format"] != 1 or self.about["sha256"] != hashlib.sha256(raw).hexdigest():
+            raise ValueError(f"{folder}: policy.json has another format than 1, or does not belong to policy.safetensors")
         start = 8 + int.from_bytes(raw[:8], "little")
         self.numbers = {}
         for name, entry in json.loads(raw[8:start]).items():
             if name != "__metadata__":
-                first, end = entry["data_offsets"]
-                flat = torch.frombuffer(bytearray(raw[start + first:start + end]), dtype=torch.float32)
-                self.numbers[name] = flat.reshape(entry["shape"])
+                bytes_ = bytearray(raw[start:][slice(*entry["data_offsets"])])
+                self.numbers[name] = torch.frombuffer(bytes_, dtype=torch.float32).reshape(entry["shape"])
 
     def act(self, observation):
         """Greedy actions, `[..., A]`, for `observation` and `desired_goal`, `[..., S]` and `[..., G]`, of a dictionary."""
@@ -57,4 +57,6 @@ def play(policy, episodes=100, seed=0):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) not in (2, 3, 4) or not all(word.isdecimal() for word in sys.argv[2:]) or sys.argv[2:3] == ["0"]:
+        sys.exit(__doc__)
     print(play(Policy(sys.argv[1]), *map(int, sys.argv[2:])))

@@ -4,6 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use reports::store::layout;
+
 use crate::error::HarnessError;
 
 /// Checks that the file that `option` names can be written: what stands there is a regular file or nothing,
@@ -46,6 +48,20 @@ pub fn outside(option: &'static str, path: &Path, inputs: &[PathBuf]) -> Result<
         let what = format!("lies in {}, which is only read; name a place outside", input.display());
         wrong(option, path, &what)
     })
+}
+
+/// The same of what is written beside reading the folder of a run: it would not lie among the runs of its
+/// results.
+///
+/// # Errors
+/// As [`outside`].
+pub fn outside_runs(option: &'static str, path: &Path, run: &Path) -> Result<(), HarnessError> {
+    let run = run.canonicalize().unwrap_or_else(|_| run.to_owned());
+    let runs = run.ancestors().nth(layout::DEPTH).filter(|above| {
+        layout::key_at(&run).is_some()
+            && above.parent().is_some_and(|results| layout::runs_dir(results) == **above)
+    });
+    outside(option, path, &[runs.unwrap_or(&run).to_owned()])
 }
 
 /// The folder in which the file at `path` lies.

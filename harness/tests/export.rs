@@ -227,7 +227,7 @@ fn the_python_player_acts_as_the_student_does() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let all = exported(folder.path());
     let player = Path::new(PLAYER).parent().expect("a folder");
-    let mut process = Command::new(python)
+    let mut process = Command::new(&python)
         .args(["-c", ASKER])
         .arg(player)
         .stdin(Stdio::piped())
@@ -258,6 +258,21 @@ fn the_python_player_acts_as_the_student_does() {
             assert_close(found, expected_action, &expected.folder.display());
         }
     }
+    // A bit is not what it was.
+    let altered = &all[0].folder;
+    let numbers = altered.join("policy.safetensors");
+    let mut bytes = fs::read(&numbers).expect("a policy");
+    *bytes.last_mut().expect("numbers") ^= 1;
+    fs::write(&numbers, bytes).expect("it can be written");
+    let read =
+        "import sys; sys.path.insert(0, sys.argv[1]); from play_policy import Policy; Policy(sys.argv[2])";
+    let refused =
+        Command::new(&python).args(["-c", read]).arg(player).arg(altered).output().expect("it starts");
+    assert!(
+        !refused.status.success() && stderr(&refused).contains("does not belong"),
+        "{}",
+        stderr(&refused)
+    );
 }
 
 #[test]
@@ -318,6 +333,11 @@ fn what_cannot_be_exported_is_refused_and_leaves_nothing() {
         refused(&["export", text(run), "--out", text(out)], expected);
     };
     export(&run, &results, &["--out", "exists already"]);
+    for inside in ["runs/policy", "runs/Point/teach/default/seed-9", "runs/Point/teach/default/seed-0/policy"]
+    {
+        export(&run, &results.join(inside), &["--out", "only read"]);
+        assert!(!results.join(inside).exists());
+    }
     export(&run, &place("link"), &["--out", "exists already"]);
     export(&run, &place("file/policy"), &["--out", "is no folder"]);
     export(Path::new("/nowhere"), &place("policy"), &["/nowhere"]);

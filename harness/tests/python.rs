@@ -231,6 +231,27 @@ fn figures_and_tables_name_it_as_the_user_does() {
         assert!(summary.contains(title), "{title} is in no table: {summary}");
     }
     assert!(!page.contains("Process ("), "the plain title is still there");
+
+    // The titles go along in an archive.
+    let archive = folder.path().join("lab.tar.zst").display().to_string();
+    let packed = goalbench(&["pack", &out, "--out", &archive]);
+    assert!(packed.status.success(), "{}", stderr(&packed));
+    let done = goalbench(&["report", &out, "--with", &archive]);
+    assert!(done.status.success(), "{}", stderr(&done));
+    let summary = read(&report, "summary.md");
+    assert!(summary.contains("3 runs are once more what these results have already"), "{summary}");
+    for title in ["Nearest first \\[lab\\]", "Half first \\[lab\\]"] {
+        assert!(summary.contains(title), "{title} is in no table: {summary}");
+    }
+}
+
+#[test]
+fn a_title_that_another_curriculum_has_is_refused() {
+    let folder = workplace(NEAREST);
+    let title = ["--set", "curriculum.process.title=teach"];
+    let args = args(folder.path(), "", &title);
+    support::refused(&args.iter().map(String::as_str).collect::<Vec<_>>(), &["`TEACH`", "another title"]);
+    assert!(!folder.path().join("out").exists());
 }
 
 /// The tutorial's own program, as it stands there, on its own maze.

@@ -125,6 +125,7 @@ fn answers_that_do_not_fit_are_told_apart() {
         ("return 12", "the goal is 12; the pool has the goals 0 to 11"),
         ("return -1", "the goal is -1; the pool has the goals 0 to 11"),
         ("return 1.5", "the goal is 1.5; the pool has the goals 0 to 11"),
+        ("return [1e39, 0.0]", "number 0 of the goal is 1e+39"),
         ("return 'any'", "the goal is \"any\"; an index into the pool, \"native\""),
         ("return None", "propose returned None"),
         ("return ['a', 0.0]", "number 0 of the goal is a"),
@@ -159,6 +160,11 @@ fn programs_that_do_not_speak_the_protocol_are_told_apart() {
     let cases = [
         ("sys.stdin.readline(); print('hello', flush=True); time.sleep(60)", "`hello`, which is no message"),
         ("sys.stdin.readline(); print('hello', flush=True); time.sleep(60)", "belongs on standard error"),
+        // In one piece with a good answer.
+        (
+            r#"sys.stdin.readline(); os.write(1, b'debug\n{"type": "goal", "goal": 0}\n'); time.sleep(60)"#,
+            "`debug`, which is no message",
+        ),
         // Too early or as an answer, as it happens to come; it is repeated either way.
         ("print('{}', flush=True); time.sleep(60)", "`{}`"),
         (

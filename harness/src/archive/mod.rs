@@ -3,9 +3,10 @@
 //! ```text
 //! NAME.tar.zst: goalbench-results/SHA256SUMS                 of every other file, in the format of sha256sum
 //!                                 DATA.md                    what this is: a dataset card
-//!                                 policies/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/{policy.json,
-//!                                 policy.safetensors} protocols/NAME.toml records.parquet, runs.parquet
-//!                                 runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE
+//!                                 policies/RUN/policy.json, policies/RUN/policy.safetensors
+//!                                 protocols/NAME.toml
+//!                                 records.parquet, runs.parquet
+//!                                 runs/RUN/FILE              RUN: ENVIRONMENT/CURRICULUM/VARIANT/seed-N
 //! ```
 //!
 //! The same results give the same bytes: files come in order, without times and owners. [`unpack`] trusts
@@ -17,6 +18,10 @@ mod pack;
 mod problem;
 mod sums;
 mod unpack;
+
+use std::path::Path;
+
+use guard::text::short;
 
 pub use pack::{Packed, Packing, PolicyChoice, pack};
 pub use problem::{ArchiveProblem, PackProblem};
@@ -30,7 +35,25 @@ const SUMS: &str = "SHA256SUMS";
 const CARD: &str = "DATA.md";
 /// How names of archives end.
 pub const EXTENSION: &str = ".tar.zst";
+/// Longest name of an archive, in characters: it marks methods in figures.
+const LONGEST_NAME: usize = 40;
 /// Most bytes that the files of an archive may have together.
 const MOST_BYTES: u64 = 16 << 30;
 /// Most files of an archive.
 const MOST_FILES: usize = 400_000;
+
+/// The NAME of the archive at `path`, which marks its runs beside others.
+///
+/// # Errors
+/// What is accepted, in words, where the file is not called `NAME.tar.zst`.
+pub fn name_of(path: &Path) -> Result<&str, String> {
+    let file = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let is_short = |name: &&str| (1..=LONGEST_NAME).contains(&name.chars().count());
+    let is_readable = |name: &&str| !name.chars().any(|c| c.is_control() || "@/[]".contains(c));
+    file.strip_suffix(EXTENSION).filter(is_short).filter(is_readable).ok_or_else(|| {
+        format!(
+            "{} is not called NAME{EXTENSION}, with a NAME of at most {LONGEST_NAME} characters, none of them @, [ or ]",
+            short(&path.display().to_string())
+        )
+    })
+}

@@ -26,6 +26,7 @@ pub(super) struct Args {
 pub(super) fn export(registry: &Registry, args: &Args) -> Exit {
     let policy = Policy::read(registry, &args.run)?;
     outcome(&args.run, &read_manifest(&args.run)?.0)?;
+    outputs::outside_runs("--out", &args.out, &args.run)?;
     outputs::folder("--out", outputs::folder_of(&args.out), &[])?;
     let written = ExportedPolicy::of(registry, &policy)?.write(&args.out).map_err(|error| match error {
         HarnessError::Exists { .. } => HarnessError::flag("--out")(error),

@@ -1,13 +1,13 @@
 //! `goalbench pack`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use guard::text::short;
 use reports::ReportOptions;
+use reports::store::layout;
 use reports::wording::counted;
 
 use super::{Exit, ExitCode, print};
-use crate::archive::{EXTENSION, Packing, PolicyChoice, pack};
+use crate::archive::{Packing, PolicyChoice, name_of, pack};
 use crate::config::seeds;
 use crate::error::HarnessError;
 use crate::{Registry, outputs, paper};
@@ -35,17 +35,6 @@ pub(super) struct Args {
     title: Option<String>,
 }
 
-/// # Errors
-/// [`HarnessError::Argument`] if `out` is not called as an archive.
-fn check_name(out: &Path) -> Result<(), HarnessError> {
-    if out.as_os_str().as_encoded_bytes().ends_with(EXTENSION.as_bytes()) {
-        return Ok(());
-    }
-    let reason =
-        format!("{} given, a name that ends with {EXTENSION} is accepted", short(&out.to_string_lossy()));
-    Err(HarnessError::Argument { option: "--out", reason })
-}
-
 fn policies(text: &str) -> Result<PolicyChoice, String> {
     match text {
         "first" => Ok(PolicyChoice::First),
@@ -65,8 +54,10 @@ fn licence(text: &str) -> Result<String, &'static str> {
 }
 
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
-    check_name(&args.out)?;
+    name_of(&args.out).map_err(|reason| HarnessError::Argument { option: "--out", reason })?;
     outputs::file("--out", &args.out, &[])?;
+    let read = [layout::runs_dir(&args.results), layout::protocols_dir(&args.results)];
+    outputs::outside("--out", &args.out, &read)?;
     let packing =
         Packing { policies: args.policies.clone(), licence: args.licence.clone(), title: args.title.clone() };
     let options = ReportOptions { catalogue: paper::catalogue(registry), ..ReportOptions::default() };

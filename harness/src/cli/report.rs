@@ -11,13 +11,10 @@ use reports::{Guest, ReportOptions};
 
 use super::flags::{QuietFlag, between, name, whole};
 use super::{Exit, ExitCode, complain, print};
-use crate::archive::{EXTENSION, Unpacked, unpack};
+use crate::archive::{Unpacked, name_of, unpack};
 use crate::error::HarnessError;
 use crate::status::{Activity, RunStatus, status};
 use crate::{Registry, outputs, paper};
-
-/// Longest name of an archive that marks its methods in figures.
-const MOST_CHARACTERS: usize = 40;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -92,15 +89,8 @@ impl Args {
 /// The results in the archive at `path`, which its file's name marks.
 fn guest(path: &Path) -> Result<Guest, HarnessError> {
     let wrong = |reason: String| HarnessError::Argument { option: "--with", reason };
-    let file = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let is_short = |name: &&str| (1..=MOST_CHARACTERS).contains(&name.chars().count());
-    let is_readable = |name: &&str| !name.chars().any(|c| c.is_control() || "@/[]".contains(c));
-    let name = file.strip_suffix(EXTENSION).filter(is_short).filter(is_readable).ok_or_else(|| {
-        wrong(format!(
-            "{} is not called NAME{EXTENSION}, with a NAME of at most {MOST_CHARACTERS} plain characters",
-            path.display()
-        ))
-    })?;
+    let name = name_of(path).map_err(wrong)?;
+    let file = path.file_name().unwrap_or_default().display();
     let Unpacked { store, sha256 } = unpack(path).map_err(HarnessError::flag("--with"))?;
     let source = format!("{} in {file} (SHA-256 {sha256})", counted(store.runs().len(), "run"));
     Ok(Guest { name: name.to_owned(), source, store })

@@ -61,7 +61,11 @@ pub fn page(registry: &Registry) -> String {
         let of = names[..depth.min(names.len())].join(".");
         if of != section {
             let about = names[..depth].iter().fold(schema, |schema, name| &schema["properties"][name]);
-            let _ = write!(page, "\n## {of}\n\n{}\n", about["description"].as_str().unwrap_or_default());
+            let _ = write!(page, "\n## {of}\n");
+            // A field that is no table has one entry, which says it.
+            if of != field.path {
+                let _ = write!(page, "\n{}\n", about["description"].as_str().unwrap_or_default());
+            }
             section = of;
         }
         page += &entry(&field);
@@ -149,6 +153,7 @@ fn values(schema: &Json) -> String {
         Some("number") => format!("a number{}", grouped(&interval(schema, branch))),
         Some("boolean") => "`true` or `false`".to_owned(),
         Some("string") => "a name in quotes".to_owned(),
+        Some("array") if branch["items"]["type"] == "string" => "a list of names in quotes".to_owned(),
         _ if branch["const"] == "auto" => "`\"auto\"`".to_owned(),
         _ => "a value like the default".to_owned(),
     };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use curricula::Entry;
 use reports::schema::RunKey;
 
 use super::{DEFAULT_VARIANT, Protocol, Variant};
@@ -48,6 +49,7 @@ impl Plan {
             for curriculum in &protocol.curricula {
                 for (label, variant) in variants(protocol, environment, curriculum) {
                     let config = resolve(protocol, registry, environment, curriculum, variant)?;
+                    check_title(registry, curriculum, &config)?;
                     let version = |id: &String| config::curriculum_version(registry, id, &config);
                     let shadows = config.shadow.iter().map(|id| (id.clone(), version(id))).collect();
                     let versions: (String, BTreeMap<_, _>) = (version(curriculum), shadows);
@@ -126,6 +128,21 @@ fn check_patches(protocol: &Protocol, registry: &Registry) -> Result<(), Harness
         config::resolve(registry, spec, entry, &[protocol.base.clone(), patch.layer.clone()])?;
     }
     Ok(())
+}
+
+/// # Errors
+/// [`HarnessError::Argument`] if the curriculum's own `title` is that of another curriculum.
+fn check_title(registry: &Registry, curriculum: &str, config: &RunConfig) -> Result<(), HarnessError> {
+    let own = config.curriculum.get(curriculum).and_then(|table| table.get("title")?.as_str());
+    let is_taken = |entry: &&Entry| {
+        entry.id != curriculum && own.is_some_and(|own| own.eq_ignore_ascii_case(entry.title))
+    };
+    registry.curricula().iter().find(is_taken).map_or(Ok(()), |other| {
+        let place = format!("curriculum.{curriculum}.title");
+        let reason =
+            format!("`{}` is what `{}` is called in reports; choose another title", other.title, other.id);
+        Err(HarnessError::Protocol { place, reason })
+    })
 }
 
 fn variants<'a>(

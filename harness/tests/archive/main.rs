@@ -173,6 +173,16 @@ fn results_that_are_not_whole_are_refused_and_nothing_is_written() {
     pack(&["--policies", "some"], &["--policies", "first, all, none or seeds"]);
     pack(&["--licence", "my own"], &["--licence", "SPDX"]);
     refused(&["pack", text(&results), "--out", "a.zip"], &["--out", ".tar.zst"]);
+    for name in [".tar.zst", "a@b.tar.zst", &format!("{}.tar.zst", "a".repeat(41))] {
+        refused(
+            &["pack", text(&results), "--out", text(&folder.path().join(name))],
+            &["--out", "NAME.tar.zst"],
+        );
+    }
+    for place in ["runs/a.tar.zst", "runs/Point/teach/default/seed-0/a.tar.zst", "protocols/a.tar.zst"] {
+        refused(&["pack", text(&results), "--out", text(&results.join(place))], &["--out", "only read"]);
+        assert!(!results.join(place).exists());
+    }
     refused(&["pack", "/nowhere", "--out", text(&out)], &["/nowhere"]);
     fs::create_dir(folder.path().join("d.tar.zst")).expect("a folder");
     refused(

@@ -1,6 +1,7 @@
 //! Results of others beside one's own: baselines that they packed.
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 use crate::analysis::catalogue::Catalogue;
 use crate::error::ReportError;
@@ -52,6 +53,7 @@ pub(crate) fn welcome(
                 there.join(", ")
             )));
         }
+        let copies = runs.iter().filter(|run| store.runs().iter().any(|own| is_copy(run, own))).count();
         let ids: BTreeSet<String> = runs.iter().map(|run| run.key().curriculum.clone()).collect();
         ids.iter().for_each(|id| catalogue.add_guest(id, &guest_id(id, &name), &name));
         for run in &mut runs {
@@ -60,12 +62,33 @@ pub(crate) fn welcome(
                 record.curriculum.clone_from(&run.manifest.run.curriculum);
             }
         }
-        lines.push(format!("Beside them, marked [{name}], {} of the {source}.", counted(runs.len(), "run"),));
+        let mut line =
+            format!("Beside them, marked [{name}], {} of the {source}.", counted(runs.len(), "run"));
+        if copies > 0 {
+            let _ = write!(
+                line,
+                " {} once more what these results have already, and no new evidence.",
+                are(copies)
+            );
+        }
+        lines.push(line);
         store
             .add_guests(runs)
             .map_err(|id| refused(format!("these results have a curriculum `{id}` of their own")))?;
     }
     Ok(lines)
+}
+
+/// Whether two runs are one: of one config, with the same evaluations.
+fn is_copy(one: &Run, other: &Run) -> bool {
+    let found = |run: &Run| -> Vec<(u64, f64, f64)> {
+        run.records.iter().map(|record| (record.step, record.success_rate, record.mean_return)).collect()
+    };
+    one.manifest.hash == other.manifest.hash && found(one) == found(other)
+}
+
+fn are(runs: usize) -> String {
+    format!("{} {}", counted(runs, "run"), if runs == 1 { "is" } else { "are" })
 }
 
 /// The curriculum id of a guest's runs, in records and files of numbers.

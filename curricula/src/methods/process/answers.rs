@@ -52,8 +52,10 @@ fn vector(numbers: &[Value], width: usize) -> Result<Vec<f64>, String> {
     if numbers.len() != width {
         return Err(format!("the goal has {} numbers; goals of this task have {width}", numbers.len()));
     }
+    // Students and records have goals in single precision.
+    let fits = |number: &f64| (*number as f32).is_finite();
     let number = |(i, value): (usize, &Value)| {
-        value.as_f64().ok_or_else(|| format!("number {i} of the goal is {}", short(value)))
+        value.as_f64().filter(fits).ok_or_else(|| format!("number {i} of the goal is {}", short(value)))
     };
     numbers.iter().enumerate().map(number).collect()
 }

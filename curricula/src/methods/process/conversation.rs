@@ -125,12 +125,14 @@ impl Conversation {
             self.overhear();
             if let Some(end) = self.heard[searched..].iter().position(|&byte| byte == b'\n') {
                 let rest = self.heard.split_off(searched + end + 1);
-                if !rest.is_empty() || !pending.is_empty() {
-                    let said = if rest.is_empty() { &self.heard } else { &rest };
-                    return Err(ProcessError::Unasked { said: shown(said) });
-                }
                 let answer = std::mem::take(&mut self.heard);
-                return understand(message.name(), &answer);
+                // A line that is no message says more than what came after it.
+                let understood = understand(message.name(), &answer)?;
+                return match () {
+                    () if !rest.is_empty() => Err(ProcessError::Unasked { said: shown(&rest) }),
+                    () if !pending.is_empty() => Err(ProcessError::Unasked { said: shown(&answer) }),
+                    () => Ok(understood),
+                };
             }
             searched = self.heard.len();
             if searched > LONGEST {
@@ -314,7 +316,8 @@ fn shown(said: &[u8]) -> String {
     if start.len() < text.trim_end().len() {
         start += "...";
     }
-    format!("`{}`", start.escape_debug())
+    let plain = |c: char| if c.is_control() { c.escape_debug().to_string() } else { c.to_string() };
+    format!("`{}`", start.chars().map(plain).collect::<String>())
 }
 
 fn id(child: &Child) -> Pid {

@@ -60,11 +60,13 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
         (None, Some(id)) => random(registry, id, args.seed)?,
         (None, None) => unreachable!("clap asks for one of them"),
     };
-    if let Some(folder) = &args.frames {
-        outputs::folder("--frames", folder, &[])?;
-    }
-    if let Some(path) = &args.out {
-        outputs::file("--out", path, &[])?;
+    let places = [("--frames", &args.frames), ("--out", &args.out)];
+    for (option, place) in places.into_iter().filter_map(|(option, place)| Some((option, place.as_ref()?))) {
+        match option {
+            "--frames" => outputs::folder(option, place, &[])?,
+            _ => outputs::file(option, place, &[])?,
+        }
+        args.run.as_ref().map_or(Ok(()), |run| outputs::outside_runs(option, place, run))?;
     }
     let renderer = Renderer::new(env.as_ref(), args.size, args.size)?;
     let pictures = args.episodes * (env.spec().horizon as u64 + 1);

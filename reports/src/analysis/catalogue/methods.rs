@@ -33,7 +33,15 @@ impl MethodInfo {
 
     /// The same under the name that a user gave it.
     pub(super) fn titled(&self, title: &str) -> Self {
-        Self { title: title.to_owned(), ..self.clone() }
+        let marked = |origin: &String| format!("{title} [{origin}]");
+        let title = self.origin.as_ref().map_or_else(|| title.to_owned(), marked);
+        Self { title, ..self.clone() }
+    }
+
+    /// Its id where it was run: without what [`of_guest`](Self::of_guest) added.
+    pub(super) fn own_id(&self) -> &str {
+        let added = self.origin.as_ref().and_then(|origin| self.id.strip_suffix(origin.as_str()));
+        added.and_then(|id| id.strip_suffix('@')).unwrap_or(&self.id)
     }
 
     pub(super) fn ranked(self, rank: usize) -> Self {

@@ -60,7 +60,7 @@ impl Catalogue {
     /// `title`. Two variants with titles of their own are two methods.
     pub fn method_of(&self, manifest: &Manifest) -> Arc<MethodInfo> {
         let method = self.method(&manifest.run.curriculum);
-        let own = manifest.config.get("curriculum").and_then(|tables| tables.get(&method.id));
+        let own = manifest.config.get("curriculum").and_then(|tables| tables.get(method.own_id()));
         match own.and_then(|table| table.get("title")).and_then(Value::as_str) {
             Some(title) if !title.is_empty() => Arc::new(method.titled(title)),
             _ => method,
