@@ -4,9 +4,8 @@
 
 mod support;
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -16,7 +15,8 @@ use envs::{GoalEnv, draw_pool};
 use goalbench::Registry;
 use goalbench::run::policy::Policy;
 use reports::schema::{Frontier, Manifest};
-use reports::store::{Results, RunFolder, layout};
+use reports::store::{RunFolder, layout};
+use support::children::files;
 use support::{refused, stderr, toy, toy_args};
 
 /// Long enough to be killed in. A teacher with weights, one whose rollouts lie between evaluations and one
@@ -42,18 +42,6 @@ const MEASURED: [&str; 4] = ["--set", "frontier.every=3", "--set", "frontier.epi
 
 fn longer(more: &[&'static str]) -> Vec<&'static str> {
     LONGER.iter().chain(more).copied().collect()
-}
-
-/// The bytes of these files of every run, by path.
-fn files(folder: &Path, names: &[&str]) -> BTreeMap<PathBuf, Vec<u8>> {
-    let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let paths = runs.iter().flat_map(|run| names.iter().map(|name| run.file(name)));
-    paths
-        .map(|path| {
-            let bytes = fs::read(&path).expect("every run has ended");
-            (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
-        })
-        .collect()
 }
 
 const OTHERS: [&str; 4] = [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME];

@@ -4,14 +4,15 @@
 
 mod support;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use reports::schema::{Manifest, Shadowing};
-use reports::store::{Results, RunFolder, layout};
+use reports::store::{RunFolder, layout};
+use support::children::files;
 use support::{goalbench, refused, stderr, toy, toy_args};
 
 /// Long enough to be killed in. A teacher of the pool, one whose rollouts lie between evaluations and one
@@ -48,18 +49,6 @@ const ALL: [&str; 6] =
 
 fn longer(more: &[&'static str]) -> Vec<&'static str> {
     LONGER.iter().chain(more).copied().collect()
-}
-
-/// The bytes of these files of every run, by path.
-fn files(folder: &Path, names: &[&str]) -> BTreeMap<PathBuf, Vec<u8>> {
-    let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let paths = runs.iter().flat_map(|run| names.iter().map(|name| run.file(name)));
-    paths
-        .map(|path| {
-            let bytes = fs::read(&path).expect("every run has ended");
-            (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
-        })
-        .collect()
 }
 
 fn run_of(folder: &Path, curriculum: &str) -> RunFolder {

@@ -7,18 +7,21 @@ use std::process::{Child, Command, Stdio};
 use reports::store::{Results, layout};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// What every run recorded, the clock apart, by path.
-pub(crate) fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+/// The bytes of these files of every run, by path.
+pub(crate) fn files(folder: &Path, names: &[&str]) -> BTreeMap<PathBuf, Vec<u8>> {
     let runs = Results::new(folder).survey().expect("a results folder").runs;
-    let files = runs.iter().flat_map(|run| {
-        [layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME].map(|name| run.file(name))
-    });
-    files
+    let paths = runs.iter().flat_map(|run| names.iter().map(|name| run.file(name)));
+    paths
         .map(|path| {
             let bytes = std::fs::read(&path).expect("every run has ended");
             (path.strip_prefix(folder).expect("below it").to_owned(), bytes)
         })
         .collect()
+}
+
+/// What every run recorded, the clock apart, by path.
+pub(crate) fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    files(folder, &[layout::RECORDS, layout::TEACHING, layout::STUDENT, layout::OUTCOME])
 }
 
 /// Starts goalbench with `args`, and does not wait.
