@@ -93,7 +93,9 @@ impl InputMatrix {
 /// Zeros on the CPU that `device` can be sent from: a GPU copies pinned memory while the CPU does other work.
 fn on_host(size: &[i64], device: Device) -> Result<Tensor, TchError> {
     let zeros = Tensor::f_zeros(size, (Kind::Float, Device::Cpu))?;
-    if device == Device::Cpu { Ok(zeros) } else { zeros.f_pin_memory(device) }
+    // What `pin_memory` does, which warns of its argument on every call since libtorch 2.8; there is no other
+    // here.
+    if device == Device::Cpu { Ok(zeros) } else { zeros.f_internal_pin_memory(device) }
 }
 
 /// What a gradient step of E learners reads: n transitions each, normalised.

@@ -81,6 +81,7 @@ pub use auto::Auto;
 pub use batch::Batch;
 pub use cohort::{Cohort, CohortLane};
 pub use config::{PolyakEvery, Preset, StudentConfig};
+pub use ddpg::ROWS_ASKED_AFAR;
 pub use device::Device;
 pub use diagnosis::{Diagnosis, DryStep};
 pub use draw::{HerStrategy, Hindsight};

@@ -10,9 +10,12 @@ use crate::config::RunConfig;
 /// What a process holds before it trains: program, libraries, physics, environments. Measured: 150 to 250 MB
 /// (`harness/docs/performance.md`).
 const PROCESS: u64 = 200_000_000;
-/// What a process holds of a GPU before anything is learned there: its context and libtorch's kernels. Not
-/// measured: about what CUDA 13 takes according to its users.
-pub const GPU_PROCESS: u64 = 1_000_000_000;
+/// What a process holds of a GPU besides its lanes: its context and libtorch's kernels, and for every thread
+/// that computes there a cuBLAS handle with its workspace. Measured on an H100 with CUDA 13: 35 lanes of
+/// MazeA with 16 threads held 3.6 GB, and in two halves with twice as many threads 5.2 GB, of which the lanes
+/// have 1.0 GB by their shapes.
+const GPU_PROCESS: u64 = 1_000_000_000;
+const GPU_THREAD: u64 = 100_000_000;
 /// Copies of a network's weights: trained, target, gradients, and Adam's two averages.
 const COPIES: u64 = 5;
 
@@ -50,7 +53,7 @@ pub fn on_gpu(config: &RunConfig, spec: &Spec) -> u64 {
         .saturating_add(2 * (spec.state + spec.goal + spec.action) as u64);
     let buffers = |rows: u64| rows.saturating_mul(columns).saturating_mul(size_of::<f32>() as u64);
     // Actor and critic: for its own steps, in the stack of its cohort, and for questions.
-    let rows = 2 * (2 * student.batch() as u64 + 1024);
+    let rows = 2 * (2 * student.batch() as u64 + agents::ROWS_ASKED_AFAR as u64);
     let number = |name: &str| {
         let numbers = config.curriculum.values().filter_map(|own| own.get(name)?.as_integer());
         numbers.max().and_then(|number| u64::try_from(number).ok())
@@ -61,6 +64,11 @@ pub fn on_gpu(config: &RunConfig, spec: &Spec) -> u64 {
     [networks(student, spec).saturating_mul(2), buffers(rows), members.saturating_mul(ensemble)]
         .into_iter()
         .fold(0, u64::saturating_add)
+}
+
+/// About how many bytes of a GPU's memory a process takes beside its lanes, if so many threads compute there.
+pub fn on_gpu_besides(threads: usize) -> u64 {
+    GPU_PROCESS.saturating_add(GPU_THREAD.saturating_mul(threads as u64))
 }
 
 /// The values that a teacher with a window keeps of every goal of the pool.
@@ -127,7 +135,7 @@ mod tests {
             on_gpu(&plan.runs[0].config, &registry.environment("FetchPush").expect("built in").spec)
         };
         let networks = 2 * 4 * 5 * 2 * (256 * 32 + 256 * 256);
-        let plain = networks + 4 * 6144 * (4 * 256 + 64);
+        let plain = networks + 4 * (4096 + 2 * 8192) * (4 * 256 + 64);
         assert_eq!(size("teach"), plain);
         assert_eq!(size("vds"), plain + 3 * (networks / 4 + 4 * 2048 * (4 * 256 + 64)));
     }

@@ -68,6 +68,7 @@ use crate::replay::{Log, Replay, Source};
 pub(crate) use cohort::DdpgCohort;
 use cycle::{Lane, cycle};
 use infer::Inference;
+pub use infer::ROWS_ASKED_AFAR;
 pub(crate) use state::check_replay;
 use update::{Learner, Networks};
 

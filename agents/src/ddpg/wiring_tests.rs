@@ -8,6 +8,7 @@ use crate::agent::{Agent, Critic, Mode, Network};
 use crate::auto::Auto;
 use crate::batch::Batch;
 use crate::config::{PolyakEvery, Preset, StudentConfig};
+use crate::ddpg::ROWS_ASKED_AFAR;
 use crate::device::far_away;
 use crate::draw::{HerStrategy, Hindsight};
 use crate::episode::Episode;
@@ -338,9 +339,13 @@ fn a_student_on_another_device_learns_and_answers_alike() {
             states.push(&[0.5 * f64::from(i), 1.0]);
             goals.push(&[1.0, 0.3 * f64::from(i)]);
         }
+        let mut many = Rows::new(2);
+        (0..3000).for_each(|i| many.push(&[0.001 * f64::from(i), -0.5]));
         let observation = Observation { state: vec![1.0, 2.0], achieved: vec![0.0, 0.0] };
         let mut answers = vec![0.0; 2];
         student.act(&observation, &[1.0, -1.0], Mode::Greedy, &mut answers).unwrap();
+        assert!(states.len() * many.len() > ROWS_ASKED_AFAR, "more than go through the networks at once");
+        answers.extend(student.confidence(&many, &states, Network::Online).unwrap());
         for network in [Network::Online, Network::Target, Network::TargetCritic] {
             answers.extend(student.confidence(&goals, &states, network).unwrap());
             answers.extend(student.policy(&states, &goals, network).unwrap().as_slice());

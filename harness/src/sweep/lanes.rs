@@ -49,7 +49,8 @@ pub struct Decided {
 }
 
 impl Lanes {
-    /// Decides for `open` runs, on this machine or, where they are carried out `elsewhere`, for another.
+    /// Decides for `open` runs, on this machine with so many threads or, where they are carried out
+    /// `elsewhere`, for another.
     ///
     /// # Errors
     /// [`HarnessError::Argument`] if a number is needed that cannot be found out.
@@ -58,6 +59,7 @@ impl Lanes {
         registry: &Registry,
         open: impl Iterator<Item = &'a Job>,
         elsewhere: bool,
+        threads: usize,
     ) -> Result<Decided, HarnessError> {
         let on_gpu: Vec<&Job> = open.filter(|job| job.config.student.device == Device::Cuda).collect();
         let gpu = !on_gpu.is_empty();
@@ -68,7 +70,7 @@ impl Lanes {
             Self::Auto if elsewhere => {
                 Err(refused("the memory of another machine's GPU cannot be seen here"))
             }
-            _ => self.on_gpu(&sizes(registry, &on_gpu), free_memory()),
+            _ => self.on_gpu(&sizes(registry, &on_gpu, threads), free_memory()),
         }
     }
 
@@ -78,13 +80,13 @@ impl Lanes {
         let fit = |room: u64, fixed: u64, each: u64| {
             usize::try_from(room.saturating_sub(fixed) / each.max(1)).unwrap_or(usize::MAX)
         };
-        let takes = |lanes: usize| memory::GPU_PROCESS.saturating_add(sizes.gpu.saturating_mul(lanes as u64));
+        let takes = |lanes: usize| sizes.gpu_besides.saturating_add(sizes.gpu.saturating_mul(lanes as u64));
         let lanes = match (self, &free) {
             (Self::Number(lanes), _) => lanes,
             (Self::Auto, Err(reason)) => return Err(refused(reason)),
             (Self::Auto, Ok(free)) => {
                 // A tenth stays free: libtorch keeps what it no longer needs for a while.
-                let there = fit(free / 10 * 9, memory::GPU_PROCESS, sizes.gpu);
+                let there = fit(free / 10 * 9, sizes.gpu_besides, sizes.gpu);
                 let here = sizes.host_free.map_or(usize::MAX, |room| fit(room, 0, sizes.host));
                 there.min(here).min(sizes.runs)
             }
@@ -128,12 +130,14 @@ fn refused(reason: &str) -> HarnessError {
 /// Bytes that a run takes, the most of any.
 struct Sizes {
     gpu: u64,
+    /// Bytes of the GPU that the process takes besides.
+    gpu_besides: u64,
     host: u64,
     host_free: Option<u64>,
     runs: usize,
 }
 
-fn sizes(registry: &Registry, jobs: &[&Job]) -> Sizes {
+fn sizes(registry: &Registry, jobs: &[&Job], threads: usize) -> Sizes {
     let most = |of: &dyn Fn(&Job, &envs::Spec) -> u64| {
         let sizes =
             jobs.iter().filter_map(|job| Some(of(job, &registry.environment(&job.run().environment)?.spec)));
@@ -141,6 +145,7 @@ fn sizes(registry: &Registry, jobs: &[&Job]) -> Sizes {
     };
     Sizes {
         gpu: most(&|job, spec| memory::on_gpu(&job.config, spec)),
+        gpu_besides: memory::on_gpu_besides(threads),
         host: most(&|job, spec| memory::of_run(&job.config, spec)),
         host_free: memory::available(),
         runs: jobs.len(),
@@ -179,7 +184,7 @@ mod tests {
     }
 
     fn sizes(gpu: u64, host: u64, host_free: Option<u64>) -> Sizes {
-        Sizes { gpu, host, host_free, runs: 35 }
+        Sizes { gpu, gpu_besides: 1_000_000_000, host, host_free, runs: 35 }
     }
 
     #[test]
@@ -220,7 +225,8 @@ mod tests {
     #[test]
     fn on_a_cpu_a_run_goes_alone_unless_told_otherwise() {
         let registry = Registry::builtin();
-        let decide = |lanes: Lanes| lanes.decide(&registry, std::iter::empty(), false).expect("no GPU").lanes;
+        let decide =
+            |lanes: Lanes| lanes.decide(&registry, std::iter::empty(), false, 1).expect("no GPU").lanes;
         assert_eq!((decide(Lanes::Auto), decide(Lanes::Number(8))), (1, 8));
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use agents::Device;
 use reports::wording::{counted, counted_u64};
 
-use super::{Args, Executor, conduct, decide};
+use super::{Args, Executor, conduct, decide, threads};
 use crate::Registry;
 use crate::cli::{Exit, complain, print};
 use crate::error::HarnessError;
@@ -45,7 +45,7 @@ pub(super) fn dry_run(registry: &Registry, args: &Args, plan: &Plan, sweep: &Swe
         }
         let open = sweep.jobs().iter().zip(&plan.runs).filter(|(job, _)| job.is_open());
         let (jobs, runs): (Vec<Job>, Vec<PlannedRun>) = open.map(|open| on(device, open)).unzip();
-        let lanes = args.lanes.decide(registry, jobs.iter(), false)?;
+        let lanes = args.lanes.decide(registry, jobs.iter(), false, threads(args, jobs.len()))?;
         if let Some(note) = &lanes.note {
             complain(&format!("goalbench: {note}"));
         }

@@ -244,7 +244,9 @@ fn decide<'a>(
     args: &Args,
     open: impl Iterator<Item = &'a Job> + Clone,
 ) -> Result<Decided, HarnessError> {
-    let decided = args.lanes.decide(registry, open.clone(), args.executor == Executor::Slurm)?;
+    let elsewhere = args.executor == Executor::Slurm;
+    let decided =
+        args.lanes.decide(registry, open.clone(), elsewhere, threads(args, open.clone().count()))?;
     if args.overlap {
         decided.check_overlap()?;
     }
@@ -254,6 +256,11 @@ fn decide<'a>(
         complain(&format!("goalbench: {note}"));
     }
     Ok(decided)
+}
+
+/// Threads that compute for `open` runs in lockstep here: with --overlap, each half has its own.
+fn threads(args: &Args, open: usize) -> usize {
+    args.jobs.for_runs(open) * if args.overlap { 2 } else { 1 }
 }
 
 /// How `open` runs are carried out here.
