@@ -39,6 +39,7 @@ const COMMANDS: &[&[&str]] = &[
     &["merge", "DIR/toy", "--out", "DIR/merged-N"],
     &["report", "DIR/toy"],
     &["pack", "DIR/toy", "--out", "DIR/pack-N.tar.zst"],
+    &["unpack", "DIR/pack-1.tar.zst", "--out", "DIR/unpacked-N"],
     &["export", "DIR/toy/runs/Point/teach/default/seed-0", "--out", "DIR/policy-N"],
     &["completions", "bash"],
     &["man", "DIR/man-N"],

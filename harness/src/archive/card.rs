@@ -19,6 +19,8 @@ pub(super) struct Card<'a> {
     pub(super) protocols: &'a [ProtocolCopy],
     /// Runs whose policies are there.
     pub(super) policies: usize,
+    /// Files of every run that stayed behind.
+    pub(super) without: &'a [&'static str],
     /// What the columns mean, as Markdown.
     pub(super) columns: &'a str,
 }
@@ -43,7 +45,7 @@ impl Card<'_> {
         };
         format!(
             "{head}# {}\n\nLearning curves of automatic curricula for goal-conditioned reinforcement learning: {} of {}, \
-             recorded by goalbench. {policies}. Licence: {}.\n\n{}{}{}## Files\n\n{FILES}\
+             recorded by goalbench. {policies}. Licence: {}.\n\n{}{}{}## Files\n\n{FILES}{}\
              \nCheck them with `sha256sum -c {SUMS}`. Draw the runs beside your own with \
              `goalbench report RESULTS --with ARCHIVE`.\n{}",
             plain(self.title),
@@ -53,8 +55,17 @@ impl Card<'_> {
             self.said_protocols(),
             self.table(),
             self.versions(),
+            self.left_out(),
             self.columns,
         )
+    }
+
+    fn left_out(&self) -> String {
+        if self.without.is_empty() {
+            return String::new();
+        }
+        let names: Vec<String> = self.without.iter().map(|name| format!("`{name}`")).collect();
+        format!("- left out of every run: {}\n", names.join(", "))
     }
 
     /// What was run of what: a row per environment, curriculum and variant.

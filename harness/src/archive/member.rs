@@ -19,7 +19,7 @@ pub(super) enum Member {
 }
 
 /// Names of the files of tidy data.
-const TIDY: [&str; 2] = ["records.parquet", "runs.parquet"];
+pub(super) const TIDY: [&str; 2] = ["records.parquet", "runs.parquet"];
 
 /// What the file `name` is, a path below the archive's folder with `/` between its parts; `None` if no
 /// archive has such a file.

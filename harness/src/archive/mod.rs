@@ -25,7 +25,7 @@ use guard::text::short;
 
 pub use pack::{Packed, Packing, PolicyChoice, pack};
 pub use problem::{ArchiveProblem, PackProblem};
-pub use unpack::{Unpacked, unpack};
+pub use unpack::{Unpacked, unpack, unpack_to};
 
 /// The folder that everything in an archive lies in.
 const ROOT: &str = "goalbench-results";

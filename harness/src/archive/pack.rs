@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use guard::{files, fresh};
 use reports::ReportOptions;
 use reports::schema::RunKey;
+use reports::store::checksums::Checksums;
 use reports::store::problem::StoreProblem;
 use reports::store::protocols::{self, ProtocolCopy};
 use reports::store::{Run, RunFolder, Store, layout};
@@ -28,6 +29,8 @@ use crate::run::policy::Policy;
 pub struct Packing {
     /// Whose trained policies.
     pub policies: PolicyChoice,
+    /// Files of every run that stay behind, by name.
+    pub without: Vec<&'static str>,
     /// Under which licence the data are given away, as an SPDX id.
     pub licence: String,
     /// What the card is headed by; `None`: the names of the protocols.
@@ -96,7 +99,7 @@ pub fn pack(
     let named = |(name, bytes): (PathBuf, Vec<u8>)| (name.display().to_string(), Content::Bytes(bytes));
     contents.extend(tidy.files.into_iter().map(named));
     for run in store.runs() {
-        contents.extend(files_of(results, run.key())?);
+        contents.extend(files_of(results, run.key(), &packing.without)?);
     }
     contents.extend(protocol_files(results));
     for run in &chosen {
@@ -112,6 +115,7 @@ pub fn pack(
         runs: store.runs(),
         protocols: &protocols,
         policies: chosen.len(),
+        without: &packing.without,
         columns: &tidy.columns,
     };
     contents.insert(CARD.to_owned(), Content::Bytes(card.text().into_bytes()));
@@ -154,16 +158,28 @@ fn chosen(runs: &[Run], choice: &PolicyChoice) -> Result<Vec<RunKey>, PackProble
     })
 }
 
-/// The packed files of a run that are there.
+/// The packed files of a run that are there, without those of these names.
 ///
 /// # Errors
 /// [`HarnessError::Store`] if nobody can tell which are.
-fn files_of(results: &Path, run: &RunKey) -> Result<Vec<(String, Content)>, HarnessError> {
+fn files_of(
+    results: &Path,
+    run: &RunKey,
+    without: &[&'static str],
+) -> Result<Vec<(String, Content)>, HarnessError> {
     let folder = RunFolder::of(results, run);
     let mut files = Vec::new();
-    for row in layout::FILES.iter().filter(|row| row.packed) {
+    for row in layout::FILES.iter().filter(|row| row.packed && !without.contains(&row.name)) {
         if folder.has(row.name)? {
-            files.push((format!("runs/{run}/{}", row.name), Content::File(folder.file(row.name))));
+            let content = match row.name {
+                layout::CHECKSUMS if !without.is_empty() => {
+                    let of_the_others = Checksums::noted(&folder)?.without(without);
+                    let unwritable = HarnessError::io(folder.file(row.name), "write these checksums");
+                    Content::Bytes(crate::files::json(&of_the_others).map_err(unwritable)?)
+                }
+                name => Content::File(folder.file(name)),
+            };
+            files.push((format!("runs/{run}/{}", row.name), content));
         }
     }
     Ok(files)

@@ -9,13 +9,13 @@ use guard::files;
 use guard::text::in_line;
 use reports::store::{Store, layout};
 use tar::{Entry, EntryType};
-use tempfile::TempDir;
 
-use super::member::{Member, member};
+use super::member::{Member, TIDY, member};
 use super::problem::ArchiveProblem;
 use super::sums::{self, Summing, Sums};
-use super::{MOST_BYTES, MOST_FILES, ROOT, SUMS};
+use super::{CARD, MOST_BYTES, MOST_FILES, ROOT, SUMS};
 use crate::error::HarnessError;
+use crate::fresh_folder::{FolderKind, FreshFolder};
 
 /// The results in an archive.
 pub struct Unpacked {
@@ -33,6 +33,20 @@ const USE: &str = "use this archive";
 /// Most bytes of the list of checksums.
 const MOST_OF_SUMS: u64 = 64 << 20;
 
+/// What is unpacked, by which leftovers of killed processes are known.
+const KIND: FolderKind = FolderKind {
+    prefix: ".goalbench-unpack-",
+    holds: &["runs", "protocols", "policies", CARD, SUMS, TIDY[0], TIDY[1]],
+};
+
+/// Which files of an archive are put into a folder. All are checked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// Those that are read as part of a results folder.
+    Results,
+    All,
+}
+
 /// Reads the archive at `path`. Everything in it is checked before anything is used: the names and kinds of
 /// its entries, their number and size, the checksum of each, and then the runs as those of any results
 /// folder. It is unpacked into a temporary folder that is gone afterwards.
@@ -41,27 +55,44 @@ const MOST_OF_SUMS: u64 = 64 << 20;
 /// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for
 /// it.
 pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
-    let refused = |problem: ArchiveProblem| HarnessError::unusable(path.display(), USE)(problem);
     let folder = tempfile::tempdir().map_err(HarnessError::system("make a temporary folder"))?;
-    let sha256 = read(path, &folder).map_err(refused)?;
-    if !layout::runs_dir(folder.path()).is_dir() {
+    checked(path, folder.path(), Wanted::Results)
+}
+
+/// Unpacks the archive at `path` into the new results folder `out`, which appears complete or not at all. It is
+/// checked as [`unpack`] does.
+///
+/// # Errors
+/// As [`unpack`]; [`HarnessError::Exists`] if something lies at `out`, [`HarnessError::Io`] if it cannot be written.
+pub fn unpack_to(path: &Path, out: &Path) -> Result<Unpacked, HarnessError> {
+    let folder = FreshFolder::beside(out, &KIND)?;
+    let unpacked = checked(path, folder.path(), Wanted::All)?;
+    folder.put(out)?;
+    Ok(unpacked)
+}
+
+/// Puts what is wanted of the archive at `path` into `folder`, and checks all of it.
+fn checked(path: &Path, folder: &Path, wanted: Wanted) -> Result<Unpacked, HarnessError> {
+    let refused = |problem: ArchiveProblem| HarnessError::unusable(path.display(), USE)(problem);
+    let sha256 = read(path, folder, wanted).map_err(refused)?;
+    if !layout::runs_dir(folder).is_dir() {
         return Err(refused(ArchiveProblem::Empty));
     }
-    let store = Store::read(folder.path()).map_err(HarnessError::unusable(path.display(), USE))?;
+    let store = Store::read(folder).map_err(HarnessError::unusable(path.display(), USE))?;
     if let Some(problem) = store.problems().first() {
         return Err(refused(ArchiveProblem::Damaged(problem.to_string())));
     }
     Ok(Unpacked { store, sha256 })
 }
 
-/// Unpacks what belongs to a results folder into `folder`. Gives the archive's checksum.
-fn read(path: &Path, folder: &TempDir) -> Result<String, ArchiveProblem> {
+/// Puts what is wanted into `folder`. Gives the archive's checksum.
+fn read(path: &Path, folder: &Path, wanted: Wanted) -> Result<String, ArchiveProblem> {
     let mut file = files::open(path)?;
     let (sha256, size) = sums::of(&mut file)?;
     file.seek(SeekFrom::Start(0))?;
     let most = size.saturating_mul(MOST_GROWTH).saturating_add(ALWAYS_ALLOWED).min(MOST_BYTES);
     let mut limited = Limited { inner: zstd::Decoder::new(file)?, left: most };
-    let outcome = entries(&mut limited, folder.path());
+    let outcome = entries(&mut limited, folder, wanted);
     // What a limit ends looks like damage to whoever reads.
     if limited.left == 0 {
         return Err(ArchiveProblem::TooLarge(most));
@@ -69,7 +100,7 @@ fn read(path: &Path, folder: &TempDir) -> Result<String, ArchiveProblem> {
     outcome.map(|()| sha256)
 }
 
-fn entries(reader: &mut impl Read, folder: &Path) -> Result<(), ArchiveProblem> {
+fn entries(reader: &mut impl Read, folder: &Path, wanted: Wanted) -> Result<(), ArchiveProblem> {
     let mut archive = tar::Archive::new(&mut *reader);
     let mut listed: Option<Sums> = None;
     let mut seen = BTreeSet::new();
@@ -88,12 +119,17 @@ fn entries(reader: &mut impl Read, folder: &Path) -> Result<(), ArchiveProblem> 
             if kind != Member::Sums {
                 return Err(wrong("stands where the list of checksums belongs"));
             }
-            listed = Some(list(&mut entry)?);
+            let text = list(&mut entry)?;
+            if wanted == Wanted::All {
+                place(&mut text.as_bytes(), &folder.join(&name))?;
+            }
+            listed = Some(sums::parse(&text)?);
             continue;
         };
         let expected = sums.get(&name).ok_or_else(|| wrong("is not in the list of checksums"))?;
         let sum = match kind {
             Member::Results => place(&mut entry, &folder.join(&name))?,
+            _ if wanted == Wanted::All => place(&mut entry, &folder.join(&name))?,
             _ => sums::of(&mut entry)?.0,
         };
         if sum != *expected {
@@ -122,11 +158,11 @@ fn name_of(entry: &Entry<'_, impl Read>) -> Result<(String, Member), ArchiveProb
     found.ok_or_else(|| wrong("is none of the files that archives of results have"))
 }
 
-/// The list of checksums.
-fn list(entry: &mut impl Read) -> Result<Sums, ArchiveProblem> {
+/// The text of the list of checksums.
+fn list(entry: &mut impl Read) -> io::Result<String> {
     let mut text = String::new();
     entry.take(MOST_OF_SUMS).read_to_string(&mut text)?;
-    sums::parse(&text)
+    Ok(text)
 }
 
 /// Writes a file where nothing lies yet. Gives its checksum.

@@ -37,6 +37,7 @@ mod render;
 mod report;
 mod run;
 mod status;
+mod unpack;
 mod verify;
 
 use std::io::Write;
@@ -82,6 +83,8 @@ enum Command {
     Merge(merge::Args),
     /// Pack a results folder as one file that can be cited and given away
     Pack(pack::Args),
+    /// Unpack an archive of `pack` into a new results folder
+    Unpack(unpack::Args),
     /// Draw the figures and tables of a results folder
     Report(report::Args),
     /// Play many more episodes with the trained policies of runs, to tell them apart
@@ -165,6 +168,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         Command::Status(args) => status::show(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Pack(args) => pack::run(&registry, &args),
+        Command::Unpack(args) => unpack::run(&args),
         Command::Report(args) => report::report(&registry, &args),
         Command::Evaluate(args) => evaluate::evaluate(&registry, &args),
         Command::Export(args) => export::export(&registry, &args),

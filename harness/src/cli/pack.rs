@@ -27,12 +27,36 @@ pub(super) struct Args {
     /// and variant), `all`, `none`, or seeds such as 0..3
     #[arg(long, value_name = "WHICH", default_value = "first", value_parser = policies)]
     policies: PolicyChoice,
+    /// What stays behind of every run, separated by commas; `teaching`, what the teacher did, is most of an
+    /// archive, and the maps of where teachers sent students are drawn from it
+    #[arg(long, value_name = "WHAT,...", value_delimiter = ',')]
+    without: Vec<Part>,
     /// Licence of the data, as an SPDX id
     #[arg(long, value_name = "ID", default_value = "CC-BY-4.0", value_parser = licence)]
     licence: String,
     /// What stands above the card [default: the names of the protocols]
     #[arg(long, value_name = "TEXT", value_parser = super::report::title)]
     title: Option<String>,
+}
+
+/// A file of a run that an archive can do without.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Part {
+    Teaching,
+    Student,
+    Frontier,
+    Shadow,
+}
+
+impl Part {
+    fn file(self) -> &'static str {
+        match self {
+            Self::Teaching => layout::TEACHING,
+            Self::Student => layout::STUDENT,
+            Self::Frontier => layout::FRONTIER,
+            Self::Shadow => layout::SHADOW,
+        }
+    }
 }
 
 fn policies(text: &str) -> Result<PolicyChoice, String> {
@@ -58,8 +82,12 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     outputs::file("--out", &args.out, &[])?;
     let read = [layout::runs_dir(&args.results), layout::protocols_dir(&args.results)];
     outputs::outside("--out", &args.out, &read)?;
-    let packing =
-        Packing { policies: args.policies.clone(), licence: args.licence.clone(), title: args.title.clone() };
+    let packing = Packing {
+        policies: args.policies.clone(),
+        without: args.without.iter().map(|part| part.file()).collect(),
+        licence: args.licence.clone(),
+        title: args.title.clone(),
+    };
     let options = ReportOptions { catalogue: paper::catalogue(registry), ..ReportOptions::default() };
     let packed = pack(registry, &args.results, &args.out, &options, &packing)?;
     let policies = match packed.policies {

@@ -135,6 +135,72 @@ fn an_archive_holds_the_results_and_the_same_results_give_the_same_bytes() {
     }
 }
 
+/// Unpacked, results are drawn as they were; without what teachers did, all but the maps of that.
+#[test]
+fn unpacked_results_give_the_same_report() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let results = at("results");
+    trained(&results, "teach,her-iid", &[]);
+    works(&["report", text(&results), "--title", "Toys"]);
+    let drawn = |results: &Path| -> BTreeMap<String, Vec<u8>> {
+        let files = fs::read_dir(results.join("report")).expect("a report").flatten();
+        let files = files.filter(|entry| entry.path().is_file());
+        files
+            .map(|file| (file.file_name().display().to_string(), fs::read(file.path()).expect("a file")))
+            .collect()
+    };
+    let before = drawn(&results);
+
+    let whole = at("whole.tar.zst");
+    works(&["pack", text(&results), "--out", text(&whole)]);
+    let said = works(&["unpack", text(&whole), "--out", text(&at("whole"))]);
+    assert!(said.contains("4 runs") && said.contains(&hex(&fs::read(&whole).expect("an archive"))), "{said}");
+    for (name, bytes) in files(&whole) {
+        assert!(fs::read(at("whole").join(&name)).expect("every file of the archive") == bytes, "{name}");
+    }
+    works(&["report", text(&at("whole")), "--title", "Toys"]);
+    let after = drawn(&at("whole"));
+    assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
+    for name in ["records.csv", "summary.csv", "ledger.csv", "teaching.csv"] {
+        assert!(before.get(name).is_some_and(|bytes| after[name] == *bytes), "{name}");
+    }
+
+    let small = at("small.tar.zst");
+    works(&["pack", text(&results), "--out", text(&small), "--without", "teaching,student"]);
+    let less = files(&small);
+    assert!(!less.keys().any(|name| name.contains("teaching.jsonl") || name.contains("student.jsonl")));
+    let card = String::from_utf8(less["DATA.md"].clone()).expect("text");
+    assert!(card.contains("left out of every run: `teaching.jsonl`, `student.jsonl`"), "{card}");
+    works(&["unpack", text(&small), "--out", text(&at("small"))]);
+    works(&["report", text(&at("small")), "--title", "Toys"]);
+    let after = drawn(&at("small"));
+    for name in ["records.csv", "summary.csv", "ledger.csv", "teaching.csv"] {
+        assert!(after.get(name).is_some_and(|bytes| before[name] == *bytes), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_unpacked_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    trained(&at("results"), "her-iid", &[]);
+    let packed = at("packed.tar.zst");
+    works(&["pack", text(&at("results")), "--out", text(&packed)]);
+    let bytes = fs::read(&packed).expect("an archive");
+    let cut = at("cut.tar.zst");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).expect("it can be written");
+    let before = fs::read_dir(folder.path()).expect("a folder").count();
+    refused(&["unpack", text(&cut), "--out", text(&at("new"))], &["cut.tar.zst", "cannot be read"]);
+    refused(&["unpack", text(&packed), "--out", text(&at("results"))], &["--out", "results", "exists"]);
+    refused(&["unpack", text(&at("none.tar.zst")), "--out", text(&at("new"))], &["none.tar.zst"]);
+    refused(
+        &["pack", text(&at("results")), "--out", text(&at("new.tar.zst")), "--without", "records"],
+        &["--without", "teaching, student, frontier, shadow"],
+    );
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), before);
+}
+
 #[test]
 fn the_policies_are_those_that_were_asked_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -16,7 +16,12 @@ use crate::target::{assert_names, fuzz};
 fn archives() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("results.tar.zst");
-    let packing = Packing { policies: PolicyChoice::None, licence: "CC0-1.0".to_owned(), title: None };
+    let packing = Packing {
+        policies: PolicyChoice::None,
+        without: Vec::new(),
+        licence: "CC0-1.0".to_owned(),
+        title: None,
+    };
     pack(&Registry::builtin(), finished(), &path, &ReportOptions::default(), &packing)
         .expect("sound results");
     let packed = fs::read(&path).expect("an archive");

@@ -44,6 +44,15 @@ pub struct Checksums {
 }
 
 impl Checksums {
+    /// Those that the ended run in `folder` noted.
+    ///
+    /// # Errors
+    /// [`StoreError::Altered`] if they are missing, any other if they cannot be read.
+    pub fn noted(folder: &RunFolder) -> Result<Self, StoreError> {
+        let noted = read_json(&folder.file(layout::CHECKSUMS))?;
+        noted.ok_or_else(|| altered(folder, layout::CHECKSUMS, "is missing, though the run has ended"))
+    }
+
     /// The checksums of the run in `folder`, whose manifest has the hash `run`; of the files that are there.
     ///
     /// # Errors
@@ -56,6 +65,12 @@ impl Checksums {
             }
         }
         Ok(Self { run: run.to_owned(), sha256 })
+    }
+
+    /// The same without the files of these names, which nobody misses from then on.
+    pub fn without(mut self, names: &[&str]) -> Self {
+        self.sha256.retain(|name, _| !names.contains(&name.as_str()));
+        self
     }
 
     /// The same with an outcome of `bytes`, which is written after them.
@@ -96,7 +111,7 @@ pub fn check_manifest(folder: &RunFolder, manifest: &Manifest) -> Result<(), Sto
 /// [`StoreError::Altered`] naming the file that is missing, cut off, altered, or of another run; any other
 /// [`StoreError`] if one cannot be read.
 pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(), StoreError> {
-    let noted = noted(folder)?;
+    let noted = Checksums::noted(folder)?;
     if !is_hash_of(&noted.run, manifest) {
         return Err(altered(folder, layout::CHECKSUMS, "belongs to a run with another config"));
     }
@@ -117,12 +132,7 @@ pub(super) fn check_files(folder: &RunFolder, manifest: &Manifest) -> Result<(),
 /// # Errors
 /// As `check_files`. Old versions noted no checksum of timings: those pass.
 pub fn check_timings(folder: &RunFolder) -> Result<(), StoreError> {
-    noted(folder)?.check_if_noted(folder, layout::TIMING)
-}
-
-fn noted(folder: &RunFolder) -> Result<Checksums, StoreError> {
-    let noted = read_json(&folder.file(layout::CHECKSUMS))?;
-    noted.ok_or_else(|| altered(folder, layout::CHECKSUMS, "is missing, though the run has ended"))
+    Checksums::noted(folder)?.check_if_noted(folder, layout::TIMING)
 }
 
 fn altered(folder: &RunFolder, name: &str, reason: &'static str) -> StoreError {
