@@ -35,6 +35,9 @@ pub enum ArchiveProblem {
     /// A file that is listed and not there.
     #[error("it lacks `{0}`")]
     Lacking(String),
+    /// Bytes behind the end of the archive, which most programs would not see.
+    #[error("something follows its last file")]
+    After,
     /// It has no run.
     #[error("it holds no runs")]
     Empty,

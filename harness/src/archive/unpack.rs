@@ -136,12 +136,23 @@ fn entries(reader: &mut impl Read, folder: &Path, wanted: Wanted) -> Result<(), 
             return Err(ArchiveProblem::Checksum { name });
         }
     }
-    // To the end, where zstd has a checksum of its own.
-    io::copy(reader, &mut io::sink())?;
+    padding(reader)?;
     let sums = listed.ok_or_else(|| ArchiveProblem::Lacking(SUMS.to_owned()))?;
     match sums.keys().find(|name| !seen.contains(*name)) {
         Some(name) => Err(ArchiveProblem::Lacking(in_line(name).into_owned())),
         None => Ok(()),
+    }
+}
+
+/// Reads what follows the last entry, to the end, where zstd has a checksum of its own.
+fn padding(reader: &mut impl Read) -> Result<(), ArchiveProblem> {
+    let mut bytes = [0; 8192];
+    loop {
+        match reader.read(&mut bytes)? {
+            0 => return Ok(()),
+            count if bytes[..count].iter().all(|&byte| byte == 0) => {}
+            _ => return Err(ArchiveProblem::After),
+        }
     }
 }
 

@@ -126,6 +126,9 @@ fn archives_that_are_not_what_was_packed_are_refused() {
         fs::write(&case.bad, damaged).expect("it can be written");
         case.refuse(&["cannot use this archive"]);
     }
+    let hidden = zstd::encode_all(b"hidden".as_slice(), 3).expect("zstd");
+    fs::write(&case.bad, [&whole, hidden.as_slice()].concat()).expect("it can be written");
+    case.refuse(&["something follows its last file"]);
     let (list, card) = (rooted("SHA256SUMS"), rooted("DATA.md"));
     let records = rooted("runs/Point/teach/default/seed-0/records.jsonl");
     let one = sums(&[("DATA.md", b"card")]);
