@@ -10,7 +10,6 @@
 //!     run --env MazeA --curriculum nearest,her-iid --steps 20000
 //! ```
 
-use std::process::ExitCode;
 use std::sync::Arc;
 
 use agents::Episode;
@@ -21,7 +20,7 @@ use envs::Goals;
 use goalbench::Registry;
 use serde::{Deserialize, Serialize};
 
-fn main() -> ExitCode {
+fn main() {
     let registry = Registry::builtin().of_program(goalbench::program!());
     goalbench::cli::main(registry.with_curriculum(Entry::of::<Nearest>()))
 }

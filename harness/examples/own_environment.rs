@@ -11,13 +11,12 @@
 //! ```
 
 use std::f64::consts::PI;
-use std::process::ExitCode;
 
 use envs::render::{PlaneScene, Scene};
 use envs::{Defaults, Draws, Env, EnvError, Environment, Observation, Reward, Spec, WithinDistance, World};
 use goalbench::Registry;
 
-fn main() -> ExitCode {
+fn main() {
     let registry = Registry::builtin().of_program(goalbench::program!()).with_environment(ARM);
     goalbench::cli::main(registry.with_suite("easy", &["ArmReach", "Point"]))
 }

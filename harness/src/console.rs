@@ -2,7 +2,7 @@
 //!
 //! A reader that went away (`| head`) has had enough, which is no error. Anything else that keeps a text from
 //! being written, such as a full disk behind `> file`, is: the work goes on, whoever asked for it is told
-//! once, and [`verdict`] turns a success into a failure.
+//! once, and [`end`] turns a success into a failure.
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
@@ -68,8 +68,14 @@ fn attempt(stream: &Mutex<Health>, write: impl FnOnce() -> std::io::Result<()>) 
     (*health == Health::Broken).then_some(error)
 }
 
+/// Ends the program whose work ended with `code`. Nothing is cleaned up: what libtorch and MuJoCo would do at the end
+/// of a process takes a quarter of a short command's time, and everything that was written is flushed.
+pub(crate) fn end(code: ExitCode) -> ! {
+    signal_hook::low_level::exit(i32::from(verdict(code) as u8))
+}
+
 /// The exit code of the program whose work ended with `code`: a success that could not be told is a failure.
-pub(crate) fn verdict(code: ExitCode) -> ExitCode {
+fn verdict(code: ExitCode) -> ExitCode {
     let broken = [&OUTPUT, &COMPLAINTS]
         .iter()
         .any(|stream| *stream.lock().expect("no holder of this lock panics") == Health::Broken);

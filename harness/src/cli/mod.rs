@@ -154,11 +154,11 @@ enum Command {
     },
 }
 
-/// The whole program with the environments and curricula of `registry`.
-pub fn main(registry: Registry) -> std::process::ExitCode {
+/// The whole program with the environments and curricula of `registry`. It ends the process, with an [`ExitCode`].
+pub fn main(registry: Registry) -> ! {
     let cli: Cli = match misuse::parse() {
         Ok(cli) => cli,
-        Err(answer) => return console::verdict(without_a_command(answer)).into(),
+        Err(answer) => console::end(without_a_command(answer)),
     };
     outlive_file_limits();
     let result = match cli.command {
@@ -195,7 +195,7 @@ pub fn main(registry: Registry) -> std::process::ExitCode {
         complain_of(&error);
         ExitCode::WrongInput
     });
-    console::verdict(code).into()
+    console::end(code)
 }
 
 /// Shows the help or version that was asked for, or what is wrong with the command line.

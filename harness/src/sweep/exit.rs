@@ -16,9 +16,3 @@ pub enum ExitCode {
     /// Of a worker: another process is carrying out its run.
     Taken = 4,
 }
-
-impl From<ExitCode> for std::process::ExitCode {
-    fn from(code: ExitCode) -> Self {
-        Self::from(code as u8)
-    }
-}
