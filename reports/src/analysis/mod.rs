@@ -3,6 +3,7 @@
 
 pub mod ablation;
 pub mod aggregate;
+pub mod calibration;
 pub mod catalogue;
 pub mod comparison;
 pub mod complete;

@@ -6,6 +6,7 @@
 
 mod ablations;
 mod aggregates;
+mod calibration;
 mod columns;
 mod comparisons;
 mod costs;
@@ -28,6 +29,7 @@ mod numbers;
 mod options;
 mod page;
 mod profiles;
+mod progress;
 mod readings;
 mod records;
 mod report;
@@ -56,6 +58,8 @@ pub static ARTEFACTS: &[Artefact] = &[
     student::ROW,
     frontier::MEASURES,
     shadow::LINES,
+    calibration::RELIABILITY,
+    calibration::JUDGEMENTS,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -66,6 +70,8 @@ pub static ARTEFACTS: &[Artefact] = &[
     teaching::ROW,
     frontier::ROW,
     coverage::ROW,
+    calibration::ROW,
+    progress::ROW,
     shadow::AGREEMENT,
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
@@ -80,6 +86,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     heat::ROW,
     goal_map::ROW,
     frontier::MAPS,
+    calibration::DIAGRAMS,
     shadow::MATRICES,
     student::FIGURES,
     numbers::TEACHERS,

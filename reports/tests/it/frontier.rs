@@ -20,6 +20,7 @@ fn measure(eval_index: u64, successes: [u64; 4], weights: Option<[f32; 4]>) -> F
         successes: successes.to_vec(),
         goals: (eval_index == 0).then(|| goals.map(Vec::from).to_vec()),
         weights: weights.map(Vec::from),
+        ..Frontier::default()
     }
 }
 

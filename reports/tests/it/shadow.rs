@@ -16,7 +16,7 @@ fn note(id: &str, weights: Option<[f32; 4]>, picks: &[(u32, u32)], elsewhere: u6
         weights: weights.map(Vec::from),
         picks: picks.to_vec(),
         elsewhere,
-        failed: None,
+        ..ShadowNote::default()
     }
 }
 
@@ -142,6 +142,7 @@ fn tables_data_and_maps_by_hand() {
             successes: successes.to_vec(),
             goals: (eval_index == 0).then(|| GOALS.map(Vec::from).to_vec()),
             weights: Some(acting.to_vec()),
+            ..Frontier::default()
         };
         let measures = [measure(0, [0; 4]), measure(1, [2, 0, 0, 5]), measure(3, [5, 5, 0, 3])];
         fs::write(folder.join(TEACHING), taught).unwrap();

@@ -213,7 +213,7 @@ mod tests {
         };
         let lines = [first.clone(), later(70, [1, 1, 1]), later(90, [4, 4, 2])];
         let catalogue = Catalogue::default();
-        let wanted = |weights: Option<Vec<f32>>| Wanted { weights, picks: Vec::new() };
+        let wanted = |weights: Option<Vec<f32>>| Wanted { weights, ..Wanted::default() };
         let watched = WatchedRun {
             teachers: ["nova", "wren"].map(String::from).to_vec(),
             measured: [(1, vec![wanted(None), wanted(Some(vec![0.0, 0.75, 0.25]))])].into(),
