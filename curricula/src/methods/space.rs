@@ -155,8 +155,7 @@ impl Order {
     fn scores(self, window: &Window) -> Option<Vec<f64>> {
         let values = window.last()?;
         let nothing = vec![0.0; values.len()];
-        let (order, last) =
-            window.before_last().map_or((self.at_first(), &nothing[..]), |last| (self, last));
+        let (order, last) = window.before_last().map_or((self.at_first(), &nothing[..]), |last| (self, last));
         Some(values.iter().zip(last).map(|(&value, &last)| order.score(value, last)).collect())
     }
 

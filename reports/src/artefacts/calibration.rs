@@ -60,9 +60,11 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         columns::environment(|row: &Calibration| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        columns::teacher("curriculum id of the teacher whose estimates are judged", |row: &Calibration| {
-            (&row.teacher, row.is_shadow())
-        }),
+        columns::teacher(
+            "curriculum id of the teacher whose estimates are judged",
+            true,
+            |row: &Calibration| (&row.teacher, row.is_shadow()),
+        ),
         Column::count(
             "n_judged",
             "seeds with estimates at a measure after training had begun",
@@ -161,12 +163,12 @@ fn bins(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         }),
         Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &BinRow<'_>| row.0.key.variant.clone()),
         Column::text("teacher", "curriculum id of the teacher", |row: &BinRow<'_>| row.0.teacher.id.clone()),
-        Column::text("part", "`all` of a run, or its `first`, `second` or `last` third", |row: &BinRow<'_>| {
-            PARTS[row.1].to_owned()
-        }),
-        Column::real("low", "lower end of the bin, which belongs to it", move |row: &BinRow<'_>| {
-            edge(row.2)
-        }),
+        Column::text(
+            "part",
+            "`all` of a run, or its `first`, `second` or `last` third",
+            |row: &BinRow<'_>| PARTS[row.1].to_owned(),
+        ),
+        Column::real("low", "lower end of the bin, which belongs to it", move |row: &BinRow<'_>| edge(row.2)),
         Column::real("high", "its upper end, which does not, but for 1", move |row: &BinRow<'_>| {
             edge(row.2 + 1)
         }),
@@ -177,9 +179,7 @@ fn bins(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         Column::real("success", "mean measured success at the same goals", |row: &BinRow<'_>| {
             bin(row).bin.outcome()
         }),
-        Column::count("n_judged", "seeds with an estimate in it", |row: &BinRow<'_>| {
-            bin(row).n_seeds as u64
-        }),
+        Column::count("n_judged", "seeds with an estimate in it", |row: &BinRow<'_>| bin(row).n_seeds as u64),
         Column::real(
             "success_std",
             "standard deviation over these seeds of the mean success; empty for fewer than two",

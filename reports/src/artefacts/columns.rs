@@ -44,13 +44,19 @@ pub(super) fn run<'c, R: 'c>(key: fn(&R) -> &RunKey) -> [Column<'c, R>; 4] {
     ]
 }
 
-/// The id of a teacher, the one that acted or one that watched; to read, its name and which of both it is.
+/// The id of a teacher, the one that acted or one that watched; to read, if it `is_shown`, its name and which
+/// of both it is.
 pub(super) fn teacher<'c, R: 'c>(
     meaning: &str,
+    is_shown: bool,
     of: fn(&R) -> (&Arc<MethodInfo>, bool),
 ) -> Column<'c, R> {
     let meaning = format!("{meaning}: `curriculum`, which acted, or a shadow");
-    Column::text("teacher", meaning, move |row| of(row).0.id.clone()).named("Teacher", move |row| {
+    let column = Column::text("teacher", meaning, move |row| of(row).0.id.clone());
+    if !is_shown {
+        return column;
+    }
+    column.named("Teacher", move |row| {
         let (teacher, is_shadow) = of(row);
         if is_shadow { format!("{} (watched)", teacher.title) } else { teacher.title.clone() }
     })

@@ -35,7 +35,11 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         columns::environment(|row: &SightSummary| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        if is_watched { teacher.named("Teacher", title) } else { teacher },
+        columns::teacher(
+            "curriculum id of the teacher whose weights and proposals are judged",
+            is_watched,
+            |row: &SightSummary| (&row.teacher, row.is_shadow()),
+        ),
         Column::count(
             "n_measured",
             "seeds with a measure of the frontier after training had begun",

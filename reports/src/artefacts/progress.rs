@@ -26,13 +26,12 @@ const UNTIL: PartNames = [
 
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
-    let rows: Vec<ProgressSummary> =
-        groups.flat_map(|group| ProgressSummary::of(group, analysis)).collect();
+    let rows: Vec<ProgressSummary> = groups.flat_map(|group| ProgressSummary::of(group, analysis)).collect();
     let mut columns = vec![
         columns::environment(|row: &ProgressSummary| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        columns::teacher("curriculum id of the teacher whose scores are judged", |row: &ProgressSummary| {
+        columns::teacher("curriculum id of the teacher whose scores are judged", true, |row: &ProgressSummary| {
             (&row.teacher, row.is_shadow())
         }),
         Column::count(

@@ -51,7 +51,8 @@ pub fn reliability(estimates: &[f64], outcomes: &[f64], bins: usize) -> Vec<Reli
     for (&estimate, &outcome) in estimates.iter().zip(outcomes) {
         // A negative number becomes 0 in the cast.
         let index = ((estimate * bins as f64) as usize).min(bins - 1);
-        found[index] = found[index].with(&ReliabilityBin { count: 1, estimates: estimate, outcomes: outcome });
+        found[index] =
+            found[index].with(&ReliabilityBin { count: 1, estimates: estimate, outcomes: outcome });
     }
     found
 }

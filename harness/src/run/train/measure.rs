@@ -10,8 +10,8 @@ use serde_json::{Map, Value};
 use super::Trainer;
 use crate::run::error::RunError;
 use crate::run::evaluate::{evaluate, learning};
-use crate::run::observer::{Laps, Observer, Stage};
 use crate::run::frontier::beliefs;
+use crate::run::observer::{Laps, Observer, Stage};
 use crate::run::picks;
 
 impl Trainer {

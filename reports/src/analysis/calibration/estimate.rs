@@ -117,11 +117,6 @@ impl Calibration {
     pub fn is_shadow(&self) -> bool {
         self.teacher.id != self.key.curriculum.id
     }
-
-    /// How it is called where the teacher that acted stands apart.
-    pub fn title(&self) -> String {
-        if self.is_shadow() { format!("{} (watched)", self.teacher.title) } else { self.teacher.title.clone() }
-    }
 }
 
 fn seed_bin(bins: &[ReliabilityBin]) -> SeedBin {

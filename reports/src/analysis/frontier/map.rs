@@ -201,6 +201,7 @@ mod tests {
             successes: vec![0, 4, 1],
             goals: Some([[-0.5, -0.5], [-0.5, 0.5], [-0.1, 0.1]].map(Vec::from).to_vec()),
             weights: Some(vec![0.5, 0.25, 0.25]),
+            ..Frontier::default()
         };
         let (goals, weights) = (None, None);
         let later = |step, successes: [u64; 3]| Frontier {
@@ -209,7 +210,7 @@ mod tests {
             successes: successes.to_vec(),
             goals: goals.clone(),
             weights: weights.clone(),
-            ..first
+            ..first.clone()
         };
         let lines = [first.clone(), later(70, [1, 1, 1]), later(90, [4, 4, 2])];
         let catalogue = Catalogue::default();

@@ -4,7 +4,9 @@ mod shadow;
 
 use std::collections::BTreeMap;
 
-use crate::schema::{Beliefs, Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing};
+use crate::schema::{
+    Beliefs, Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing,
+};
 use crate::store::layout;
 use crate::store::limits::{self, Limits};
 use crate::store::load::Loader;
