@@ -198,7 +198,7 @@ pub trait Curriculum: Send {
     /// What there is to record of it now.
     fn summary(&self) -> TeacherSummary<'_>;
 
-    /// What it believes of every goal of the pool, as of its last proposal to `student`.
+    /// What it believes now of every goal of the pool. It last proposed to `student`.
     fn judge(&self, student: &dyn Critic) -> Judgement;
 
     /// The teacher's whole state as bytes, so that a run can resume exactly. Stateless teachers have none.

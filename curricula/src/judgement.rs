@@ -1,7 +1,7 @@
 //! What a teacher believes of the goals of its pool.
 
-/// What a teacher believed of every goal of the pool when it last proposed one. Instruments set it against
-/// what the student can really do; nobody else hears of it.
+/// What a teacher believes of every goal of the pool; one that asks the student did so when it last proposed.
+/// Instruments set it against what the student can really do; nobody else hears of it.
 ///
 /// ```
 /// use curricula::testing::Class;

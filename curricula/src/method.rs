@@ -193,8 +193,9 @@ pub trait Method: Sized + Send + Sync + 'static {
         TeacherSummary::default()
     }
 
-    /// What it believes of every goal of the pool, as of its last proposal to `student`, for those who measure
-    /// what of it is true. A method that says nothing is not judged by it.
+    /// What it believes now of every goal of the pool, for those who measure what of it is true. It last
+    /// proposed to `student`, which it cannot ask here: it tells what it went by. A method that tells nothing
+    /// is not judged by it.
     fn judge(&self, _state: &Self::State, _student: &dyn Critic) -> Judgement {
         Judgement::default()
     }

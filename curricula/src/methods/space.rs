@@ -176,12 +176,6 @@ impl Order {
 }
 
 /// The place of the set whose turn it is after place `last`, in a set of `size` goals: (i + 1) mod K.
-///
-/// ```
-/// use curricula::methods::space::next_turn;
-///
-/// assert_eq!([None, Some(0), Some(2)].map(|last| next_turn(last, 3)), [0, 1, 0]);
-/// ```
 pub fn next_turn(last: Option<usize>, size: usize) -> usize {
     last.map_or(0, |place| (place + 1) % size)
 }

@@ -178,7 +178,8 @@ pub struct Frontier {
     pub beliefs: Option<Beliefs>,
 }
 
-/// What a teacher believed of every goal of the pool when it last proposed one. Nothing of it is measured.
+/// What a teacher believed of every goal of the pool; one that asks the student had done so when it last
+/// proposed. Nothing of it is measured.
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beliefs {

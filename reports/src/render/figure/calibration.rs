@@ -16,7 +16,7 @@ use crate::error::ReportError;
 use crate::render::table::cells::{decimal, or_undefined};
 
 /// Text sizes in points.
-const TITLE: f64 = 8.5;
+const TITLE: f64 = 7.5;
 const AXIS: f64 = 8.0;
 const TICK: f64 = 7.0;
 const NOTE: f64 = 6.5;
@@ -50,27 +50,29 @@ const PARTS: [(usize, &str, Look); 2] = [
 /// [`ReportError::Figure`] if drawing fails.
 pub fn calibration(environment: &str, judged: &[Calibration]) -> Result<String, ReportError> {
     text::register()?;
-    let columns = judged.len().clamp(1, COLUMNS) as i32;
+    let rows = rows(judged);
+    let columns = rows.iter().map(|row| row.len()).max().unwrap_or(1) as i32;
     let room = (PAGE_WIDTH - 2 * MARGIN - Y_NAME_WIDTH) / (COLUMNS as i32);
     // At the scale of a page of four also where there are fewer, but no narrower than the legend.
     let width = (room * columns + Y_NAME_WIDTH + 2 * MARGIN).max(PAGE_WIDTH / 2);
-    let left = (width - room * columns - Y_NAME_WIDTH) / 2 + Y_NAME_WIDTH;
+    let left = (width - room * columns + Y_NAME_WIDTH) / 2;
     // Square plots.
     let height = room - Y_TICKS_WIDTH - RIGHT_MARGIN + TITLE_HEIGHT + X_TICKS_HEIGHT;
-    let rows = judged.len().div_ceil(columns as usize) as i32;
     let entries = PARTS.map(|(_, title, look)| (Label { title: title.into(), detail: String::new() }, look));
     let legend = Legend::new(&entries, width - 2 * MARGIN)?;
     let caption = page::caption_lines(&text::printable(&caption(environment, judged)), width)?;
-    let below = MARGIN + rows * (height + GAP) - GAP;
+    let below = MARGIN + rows.len() as i32 * (height + GAP) - GAP;
     let legend_top = below + X_NAME_HEIGHT + GAP;
     let caption_top = legend_top + legend.height() + GAP;
     canvas::svg((width, caption_top + page::caption_height(&caption)), |root| {
-        for (index, judged) in (0..).zip(judged) {
-            let at = (left + index % columns * room, MARGIN + index / columns * (height + GAP));
-            let title = text::shorten(&title(judged), &text::style(TITLE), room - GAP)?;
-            Panel { judged, at, size: (room, height), is_first: index % columns == 0 }
-                .draw(root, &title)
-                .map_err(canvas::failed("reliability diagram"))?;
+        for (row, teachers) in (0..).zip(&rows) {
+            for (column, judged) in (0..).zip(*teachers) {
+                let at = (left + column * room, MARGIN + row * (height + GAP));
+                let title = text::shorten(&title(judged), &text::style(TITLE), room - GAP)?;
+                Panel { judged, at, size: (room, height), is_first: column == 0 }
+                    .draw(root, &title)
+                    .map_err(canvas::failed("reliability diagram"))?;
+            }
         }
         let name = text::style(AXIS).pos(Pos::new(HPos::Center, VPos::Top));
         let middle = left + (room * columns + Y_TICKS_WIDTH - RIGHT_MARGIN) / 2;
@@ -79,6 +81,11 @@ pub fn calibration(environment: &str, judged: &[Calibration]) -> Result<String, 
         legend.draw(root, width / 2, legend_top)?;
         page::draw_caption(root, &caption, (width / 2, caption_top))
     })
+}
+
+/// The teachers in rows: a row for each group of students, or more where many teachers saw it.
+fn rows(judged: &[Calibration]) -> Vec<&[Calibration]> {
+    judged.chunk_by(|a, b| a.key == b.key).flat_map(|group| group.chunks(COLUMNS)).collect()
 }
 
 fn title(judged: &Calibration) -> String {
@@ -198,5 +205,48 @@ impl Panel<'_> {
             shapes::line(root, &places, look)?;
         }
         places.into_iter().try_for_each(|at| shapes::marker(root, at, look))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::analysis::calibration::{ByThird, ByThirdMeans};
+    use crate::analysis::catalogue::{Catalogue, MethodInfo};
+    use crate::analysis::group::GroupKey;
+    use crate::stats::ReliabilityBin;
+
+    fn judged(curriculum: &str, teacher: &str, error: f64) -> Calibration {
+        let mut bins = [[SeedBin::default(); BINS]; 4];
+        let bin = |count| SeedBin {
+            bin: ReliabilityBin { count, estimates: 0.45 * count as f64, outcomes: 0.0 },
+            n_seeds: 2,
+            std: Some(0.1),
+        };
+        (bins[0][4], bins[1][4], bins[3][4]) = (bin(30), bin(FEWEST - 1), bin(FEWEST));
+        let thirds = [Some(error), None, Some(0.25)];
+        Calibration {
+            key: GroupKey::new(&Catalogue::default(), "E", curriculum, "default"),
+            teacher: Arc::new(MethodInfo::new(teacher, teacher.to_uppercase(), None)),
+            n_seeds: 2,
+            means: (0.45, 0.0),
+            error: ByThirdMeans::of(&[ByThird { all: Some(error), thirds }]),
+            correlation: ByThirdMeans::default(),
+            bins,
+        }
+    }
+
+    #[test]
+    fn every_teacher_has_a_panel_in_the_row_of_its_student() {
+        let first = ["a", "b", "c", "d", "e"].map(|teacher| judged("a", teacher, 0.5));
+        let all = [&first[..], &[judged("f", "f", 0.75)]].concat();
+        assert_eq!(rows(&all).iter().map(|row| row.len()).collect::<Vec<_>>(), [4, 1, 1]);
+        let svg = calibration("E", &all).unwrap();
+        assert_eq!(svg.matches("ECE 0.50 → 0.25").count(), 5);
+        assert!(svg.contains("ECE 0.75 → 0.25") && svg.contains("B, student of a"), "{svg}");
+        // Of the two parts only the last third has estimates enough for a point; the legend has one of each.
+        assert_eq!(svg.matches("<circle").count(), 6 + 1);
     }
 }

@@ -1,5 +1,6 @@
 //! Checks that a single line cannot show: ranges, keys, order, completeness.
 
+mod beliefs;
 mod shadow;
 
 use std::collections::BTreeMap;
@@ -314,26 +315,9 @@ impl OfEvaluation for Frontier {
         if let Some(weight) = weights.iter().flatten().find(|weight| !(0.0..=1.0).contains(*weight)) {
             return range("weights", weight, "numbers in [0, 1]");
         }
-        let (field, value, accepted) = self.beliefs.as_ref().and_then(|own| unsound_belief(own, size))?;
+        let (field, value, accepted) = self.beliefs.as_ref().and_then(|own| beliefs::misfit(own, size))?;
         range(field, value, accepted)
     }
-}
-
-/// The first thing about what a teacher believed of `size` goals that cannot be: the field, what it is and
-/// what is accepted.
-fn unsound_belief(beliefs: &Beliefs, size: u64) -> Option<(&'static str, String, &'static str)> {
-    let Beliefs { success, scores } = beliefs;
-    for (field, values) in [("beliefs.success", success), ("beliefs.scores", scores)] {
-        let length = values.as_ref().map_or(size, |values| values.len() as u64);
-        if length != size {
-            return Some((field, format!("{length} long"), "an entry for every goal of the pool"));
-        }
-    }
-    if let Some(odd) = success.iter().flatten().find(|value| !(0.0..=1.0).contains(*value)) {
-        return Some(("beliefs.success", odd.to_string(), "numbers in [0, 1]"));
-    }
-    let odd = scores.iter().flatten().find(|value| !value.is_finite())?;
-    Some(("beliefs.scores", odd.to_string(), "finite numbers"))
 }
 
 /// The first of `goals` that is none.

@@ -1,6 +1,6 @@
 //! What the shadows of a run can have done.
 
-use super::{OfEvaluation, range, unsound_belief};
+use super::{OfEvaluation, beliefs, range};
 use crate::schema::{RunKey, ShadowNote, Shadowing};
 use crate::store::limits::Limits;
 use crate::store::problem::Fault;
@@ -26,7 +26,7 @@ impl OfEvaluation for Shadowing {
 
 /// The first thing about `note` that cannot be, after so many episodes and with so many goals in the pool.
 fn misfit(note: &ShadowNote, episodes: u64, goals: Option<u64>) -> Option<Fault> {
-    let ShadowNote { id, weights, picks, elsewhere, beliefs, failed } = note;
+    let ShadowNote { id, weights, picks, elsewhere, beliefs: believed, failed } = note;
     let wrong = |field: &str, value: String, accepted: &'static str| {
         range(&format!("{field} of {id}"), value, accepted)
     };
@@ -45,13 +45,14 @@ fn misfit(note: &ShadowNote, episodes: u64, goals: Option<u64>) -> Option<Fault>
             return wrong("weights", weight.to_string(), "numbers in [0, 1]");
         }
     }
-    if let Some(beliefs) = beliefs {
+    if let Some(told) = believed {
         if failed.is_some() {
             return wrong("beliefs", "given".to_owned(), "none from a shadow that has failed");
         }
-        let told = [&beliefs.success, &beliefs.scores].into_iter().flatten().next();
-        let size = goals.or_else(|| Some(told?.len() as u64)).unwrap_or_default();
-        if let Some((field, value, accepted)) = unsound_belief(beliefs, size) {
+        let lists = [&told.success, &told.scores];
+        let length = lists.into_iter().flatten().next().map(|list| list.len() as u64);
+        let size = goals.or(length).unwrap_or_default();
+        if let Some((field, value, accepted)) = beliefs::misfit(told, size) {
             return wrong(field, value, accepted);
         }
     }

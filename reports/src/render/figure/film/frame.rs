@@ -9,10 +9,12 @@ use super::super::canvas::{self, FRAME};
 use super::super::maze::WALL;
 use super::super::shapes::{Area, DrawResult};
 use super::super::{scale, text};
+use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::film::{Film, FilmPick, Slice, World};
 use crate::analysis::goal_map::{Cube, PROJECTIONS};
 use crate::error::ReportError;
 use crate::render::table::cells::thousands;
+use crate::wording::counted_u64;
 
 /// Lengths in pixels.
 const MARGIN: i32 = 14;
@@ -26,8 +28,8 @@ const STRIP_HEIGHT: i32 = 64;
 const STRIP_LABEL: i32 = 24;
 /// Radius of a goal of the pool, and of one that was trained on in no and in all episodes of the slice.
 const GOAL: f64 = 3.5;
-const PICKED: (f64, f64) = (6.0, 24.0);
-const RING_WIDTH: u32 = 3;
+const PICKED: (f64, f64) = (7.0, 24.0);
+const RING_WIDTH: i32 = 4;
 
 /// Heights of text in pixels.
 const TITLE: f64 = 20.0;
@@ -141,7 +143,7 @@ fn draw_view(
         let colour = rate.map_or(PICKED_UNKNOWN, |&rate| success_colour(rate));
         let radius = radius(f64::from(pick.times) / f64::from(slice.episodes())).round() as i32;
         root.draw(&Circle::new(pixel(&pick.place), radius, RING.filled()))?;
-        root.draw(&Circle::new(pixel(&pick.place), radius - RING_WIDTH as i32, colour.filled()))?;
+        root.draw(&Circle::new(pixel(&pick.place), radius - RING_WIDTH, colour.filled()))?;
     }
     root.draw(&Rectangle::new([at, (at.0 + side, at.1 + side)], FRAME.stroke_width(1)))
 }
@@ -160,7 +162,7 @@ fn in_cube(cube: &Cube, goal: &[f32], [right, up]: [usize; 2]) -> [f64; 2] {
 }
 
 /// The walls as in the maps of mazes, and the start.
-fn draw_walls(root: &Area<'_>, maze: &crate::analysis::catalogue::MazeInfo, at: (i32, i32)) -> DrawResult {
+fn draw_walls(root: &Area<'_>, maze: &MazeInfo, at: (i32, i32)) -> DrawResult {
     let cells = maze.side() as i32;
     let edge = |index: i32| index * MAZE_SIDE / cells;
     for row in 0..cells {
@@ -186,9 +188,8 @@ fn draw_key(root: &Area<'_>, slice: &Slice, (width, top): (i32, i32)) -> DrawRes
     let style = label(LABEL, HPos::Left, VPos::Center);
     let at = (MARGIN + 9, middle);
     root.draw(&Circle::new(at, 9, RING.filled()))?;
-    root.draw(&Circle::new(at, 9 - RING_WIDTH as i32, WHITE.filled()))?;
-    let episodes = slice.episodes();
-    let picked = format!("goals of these {episodes} episodes");
+    root.draw(&Circle::new(at, 9 - RING_WIDTH, WHITE.filled()))?;
+    let picked = format!("goals of {}", counted_u64(u64::from(slice.episodes()), "episode"));
     root.draw_text(&picked, &style, (MARGIN + 25, middle))?;
     let right = MARGIN + width;
     if slice.success.is_none() {
@@ -237,7 +238,7 @@ mod tests {
     fn places_and_sizes_by_hand() {
         assert_eq!([0.0, 1.0].map(radius), [PICKED.0, PICKED.1]);
         // A third of the area between the two.
-        let third = (36.0 + (576.0 - 36.0) / 3.0_f64).sqrt();
+        let third = (49.0 + (576.0 - 49.0) / 3.0_f64).sqrt();
         assert!((radius(1.0 / 3.0) - third).abs() < 1e-12);
         let cube = Cube { low: [1.0, 0.0, -1.0], edge: 2.0 };
         // x halfway, y at the upper end, z at the lower one.
