@@ -90,7 +90,7 @@ fn rows(judged: &[Calibration]) -> Vec<&[Calibration]> {
 
 fn title(judged: &Calibration) -> String {
     if judged.is_shadow() {
-        format!("{}, student of {}", judged.teacher.title, judged.key.name())
+        format!("{} on {}", judged.teacher.title, judged.key.name())
     } else {
         judged.key.name()
     }
@@ -103,7 +103,7 @@ fn caption(environment: &str, judged: &[Calibration]) -> String {
         seeds.iter().copied().max().unwrap_or(0),
     ));
     format!(
-        "{environment}: goals of the pool by their teacher's estimate of success, in {BINS} bins; points: mean measured \
+        "{environment}: A on B: teacher A watched the student of B. Goals of the pool by their teacher's estimate of success, in {BINS} bins; points: mean measured \
          success over mean estimate of a bin, all seeds together; whiskers: standard deviation over the seeds (n = {seeds}) \
          that have one, cut at 0 and 1; bins of fewer than {FEWEST} estimates have none. Grey line: estimates that hold; \
          points below it: the teacher took goals for easier than they were. Bars: share of all estimates. ECE: expected \
@@ -245,7 +245,7 @@ mod tests {
         assert_eq!(rows(&all).iter().map(|row| row.len()).collect::<Vec<_>>(), [4, 1, 1]);
         let svg = calibration("E", &all).unwrap();
         assert_eq!(svg.matches("ECE 0.50 → 0.25").count(), 5);
-        assert!(svg.contains("ECE 0.75 → 0.25") && svg.contains("B, student of a"), "{svg}");
+        assert!(svg.contains("ECE 0.75 → 0.25") && svg.contains("B on a"), "{svg}");
         // Of the two parts only the last third has estimates enough for a point; the legend has one of each.
         assert_eq!(svg.matches("<circle").count(), 6 + 1);
     }

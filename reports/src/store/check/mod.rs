@@ -5,9 +5,7 @@ mod shadow;
 
 use std::collections::BTreeMap;
 
-use crate::schema::{
-    Beliefs, Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing,
-};
+use crate::schema::{Frontier, Learning, Manifest, Outcome, Record, RunKey, Shadowing, Teaching, Timing};
 use crate::store::layout;
 use crate::store::limits::{self, Limits};
 use crate::store::load::Loader;
