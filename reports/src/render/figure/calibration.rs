@@ -102,13 +102,15 @@ fn caption(environment: &str, judged: &[Calibration]) -> String {
         seeds.iter().copied().min().unwrap_or(0),
         seeds.iter().copied().max().unwrap_or(0),
     ));
+    let is_watched = judged.iter().any(Calibration::is_shadow);
+    let watched = if is_watched { " A on B: teacher A, which watched the student of B." } else { "" };
     format!(
-        "{environment}: A on B: teacher A watched the student of B. Goals of the pool by their teacher's estimate of success, in {BINS} bins; points: mean measured \
+        "{environment}: goals of the pool by their teacher's estimate of success, in {BINS} bins; points: mean measured \
          success over mean estimate of a bin, all seeds together; whiskers: standard deviation over the seeds (n = {seeds}) \
          that have one, cut at 0 and 1; bins of fewer than {FEWEST} estimates have none. Grey line: estimates that hold; \
          points below it: the teacher took goals for easier than they were. Bars: share of all estimates. ECE: expected \
          calibration error in the first and in the last third, mean over seeds. TEACH's and SPaCE's confidence is read as \
-         ProCuRL reads it, as a share of the way from the lowest return there is to 0."
+         ProCuRL reads it, as a share of the way from the lowest return there is to 0.{watched}"
     )
 }
 
