@@ -78,7 +78,7 @@ fn measures_change_nothing_else_and_come_out_the_same_killed_or_in_lanes() {
             assert_eq!(measure.weights.is_some(), curriculum == "teach");
         }
     }
-    // TEACH has asked nobody before the first episode; after that it tells of every goal. The others tell nothing.
+    // TEACH has asked nobody before the first episode; after that it tells of every goal.
     for measure in &teach {
         let beliefs =
             measure.beliefs.as_ref().map(|beliefs| (beliefs.success.as_ref(), beliefs.scores.as_ref()));

@@ -151,7 +151,7 @@ impl Order {
         if self == Self::Relative { Self::Signed } else { self }
     }
 
-    /// The score of every goal, `[N]`, at the update that made the newest evaluation; `None` before the first.
+    /// The score of every goal, `[N]`, at the update that made the newest evaluation; `None` without one.
     fn scores(self, window: &Window) -> Option<Vec<f64>> {
         let values = window.last()?;
         let nothing = vec![0.0; values.len()];
@@ -311,8 +311,8 @@ impl Method for Space {
         summary
     }
 
-    /// SPaCE itself makes no estimate of success; its confidence is read as ProCuRL reads it. Scores are those
-    /// that the last update ranked all goals by.
+    /// SPaCE itself makes no estimate of success; its confidence is read as ProCuRL reads it. Scores are
+    /// those that the last update ranked all goals by.
     fn judge(&self, SpaceState { common, .. }: &SpaceState, student: &dyn Critic) -> Judgement {
         let success = common.probe.success(student.lowest_value());
         Judgement { success, scores: self.config.order.scores(common.probe.window()) }

@@ -55,8 +55,8 @@ pub struct Film {
     pub key: GroupKey,
     /// Its seed.
     pub seed: u64,
-    /// The goals of its pool as far as they are known, `[N][G]`: all where they were measured, otherwise those
-    /// that were ever trained on.
+    /// The goals of its pool as far as they are known, `[N][G]`: all where they were measured, otherwise
+    /// those that were ever trained on.
     pub goals: Vec<Vec<f32>>,
     /// The slices, which are equally long.
     pub slices: Vec<Slice>,
@@ -65,8 +65,8 @@ pub struct Film {
 }
 
 impl Film {
-    /// Of the run with this `seed` of a group: what its teacher did, what was measured of its student, and its
-    /// `curve`. Goals of other than `coordinates` numbers are left out; `None` if none is left.
+    /// Of the run with this `seed` of a group: what its teacher did, what was measured of its student, and
+    /// its `curve`. Goals of other than `coordinates` numbers are left out; `None` if none is left.
     pub fn of(
         (key, seed): (&GroupKey, u64),
         coordinates: usize,
@@ -169,7 +169,7 @@ pub fn slice_of(step: u64, end: u64, count: usize) -> usize {
 
 /// The world in which goals lie.
 #[derive(Clone, Copy, Debug)]
-pub enum World<'a> {
+pub enum GoalWorld<'a> {
     /// Positions in a maze.
     Maze(&'a MazeInfo),
     /// Points in space, within this cube.
@@ -180,7 +180,7 @@ pub enum World<'a> {
 #[derive(Debug, Default)]
 pub struct Films<'a> {
     /// One of each group, with its world.
-    pub films: Vec<(World<'a>, Film)>,
+    pub films: Vec<(GoalWorld<'a>, Film)>,
 }
 
 impl<'a> Films<'a> {
@@ -197,15 +197,15 @@ impl<'a> Films<'a> {
             let id = &group.key.environment;
             let maze = catalogue.mazes.iter().find(|maze| maze.id == *id);
             let space = || spaces.environments.iter().find(|space| space.environment == *id);
-            maze.map(World::Maze).or_else(|| Some(World::Space(space()?.cube)))
+            maze.map(GoalWorld::Maze).or_else(|| Some(GoalWorld::Space(space()?.cube)))
         };
         let chosen = groups.compared_groups().into_iter().filter(|group| group.is_own());
-        let placed: Vec<(World<'a>, &Group<'_>)> =
+        let placed: Vec<(GoalWorld<'a>, &Group<'_>)> =
             chosen.filter_map(|group| Some((world(&group)?, group))).collect();
-        let shot = |(world, group): &(World<'a>, &Group<'_>)| {
+        let shot = |(world, group): &(GoalWorld<'a>, &Group<'_>)| {
             let coordinates = match world {
-                World::Maze(_) => 2,
-                World::Space(_) => COORDINATES,
+                GoalWorld::Maze(_) => 2,
+                GoalWorld::Space(_) => COORDINATES,
             };
             let of_run = |run: &&Run| {
                 let (lines, _) = store::teaching(results, run);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::files::file_name;
 use super::{Artefact, Reel, Section};
-use crate::analysis::film::{Film, World};
+use crate::analysis::film::{Film, GoalWorld};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -12,8 +12,8 @@ use crate::render::figure;
 pub(super) const ROW: Artefact = Artefact::films("film", Section::Environments, shoot);
 
 fn shoot(analysis: &Analysis<'_>) -> Result<Vec<Reel>, ReportError> {
-    let films: Vec<(usize, &(World<'_>, Film))> = analysis.films.films.iter().enumerate().collect();
-    let reel = |(index, (world, film)): (usize, &(World<'_>, Film))| {
+    let films: Vec<(usize, &(GoalWorld<'_>, Film))> = analysis.films.films.iter().enumerate().collect();
+    let reel = |(index, (world, film)): (usize, &(GoalWorld<'_>, Film))| {
         let key = &film.key;
         let moving = figure::film(*world, film)?;
         let method = match key.variant.as_str() {

@@ -88,8 +88,9 @@ fn tables_and_data_by_hand() {
     assert_eq!(calibration.len(), 1, "WREN makes no estimates: {calibration:?}");
     assert!(calibration[0].starts_with("E,nova,default,nova,2,"), "{calibration:?}");
     let found = numbers(&calibration[0], 4);
-    // Measure 1: the two of 0.25 have 0, that of 0.75 has 0.5, that of 1 has 1: (0.5 + 0.25) / 4. Measure 3: the two
-    // of 0.25 have 0 and 1, together 0.5 too much: (0.5 + 0.25) / 4. Together (0 + 0.5) / 8 in the case of seed 0.
+    // Measure 1: the two of 0.25 have 0, that of 0.75 has 0.5, that of 1 has 1: (0.5 + 0.25) / 4. Measure 3:
+    // the two of 0.25 have 0 and 1, 0.5 less than the truth: (0.5 + 0.25) / 4. Together they are 0.5 off in
+    // seed 0, all of it at 0.75.
     let (whole, part) = (0.5 / 8.0, 0.75 / 4.0);
     let std = |a: f64, b: f64| Some((a - b).abs() / f64::sqrt(2.0));
     assert_close(&found[..3], &[Some(2.0), Some(0.5625), Some(f64::midpoint(0.5, 0.625))]);
@@ -116,8 +117,8 @@ fn tables_and_data_by_hand() {
         let row = progress.iter().find(|row| row.starts_with(&format!("E,nova,default,{teacher},")));
         numbers(row.unwrap(), 4)
     };
-    // Seed 0: changes 0, 0, 0.5, 1 and scores in the same order but for a tie: 4.5/√(5 · 4.5). Then changes 0, 1,
-    // 0, 0 against 0, 4, 2, 1. Seed 1: the first measure has no scores; then 0, 0.5, 0, 0.
+    // Seed 0: changes 0, 0, 0.5, 1 and scores in the same order but for a tie: 4.5/√(5 · 4.5). Then changes
+    // 0, 1, 0, 0 against 0, 4, 2, 1: 3/√(5 · 3). Seed 1: the first measure has no scores; then 0, 0.5, 0, 0.
     let first = 4.5 / (5.0_f64 * 4.5).sqrt();
     let second = 3.0 / (5.0_f64 * 3.0).sqrt();
     let nova = of("nova");
@@ -129,8 +130,8 @@ fn tables_and_data_by_hand() {
             std(f64::midpoint(first, second), second),
         ],
     );
-    // WREN wants most what changes least: −4.5/√(5 · 4.5); at last it makes no difference. Until the next measure only
-    // the second goal changes, which has a rank of 3 of 4.
+    // WREN wants most what changes least: −4.5/√(5 · 4.5); at last it makes no difference. Until the next
+    // measure only the second goal changes, which has a rank of 3 of 4.
     let wren = of("wren");
     assert_close(&wren[..3], &[Some(1.0), Some(0.375), Some(-first)]);
     assert_close(&wren[10..11], &[Some(1.0 / (5.0_f64 * 3.0).sqrt())]);

@@ -198,8 +198,8 @@ fn points_in_space_are_seen_from_above_and_from_the_side() {
     let report = layout::report_dir(results.path());
     let film = Played::of(&fs::read(report.join("figures/film-Lift-nova.gif")).unwrap());
     assert_eq!(film.pictures.len(), 2);
-    // Two squares of 372 beside each other; from above the goals lie left and right at half the height, as no goal
-    // has another y, from the side they lie in opposite corners.
+    // Two squares of 372 beside each other; from above the goals lie left and right at half the height, as no
+    // goal has another y, from the side they lie in opposite corners.
     let (left, top, side, next) = (14, 72, 372, 392);
     let seen = |picture: usize, view: usize, [across, down]: [f64; 2]| {
         let place = |share: f64| ((0.05 + 0.9 * share) * side as f64) as usize - 18;

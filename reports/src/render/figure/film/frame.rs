@@ -10,7 +10,7 @@ use super::super::maze::WALL;
 use super::super::shapes::{Area, DrawResult};
 use super::super::{scale, text};
 use crate::analysis::catalogue::MazeInfo;
-use crate::analysis::film::{Film, FilmPick, Slice, World};
+use crate::analysis::film::{Film, FilmPick, GoalWorld, Slice};
 use crate::analysis::goal_map::{Cube, PROJECTIONS};
 use crate::error::ReportError;
 use crate::render::table::cells::thousands;
@@ -60,10 +60,10 @@ fn success_colour(rate: f64) -> RGBColor {
 }
 
 /// The picture of a slice, as SVG.
-pub(super) fn draw(world: World<'_>, film: &Film, slice: &Slice) -> Result<String, ReportError> {
+pub(super) fn draw(world: GoalWorld<'_>, film: &Film, slice: &Slice) -> Result<String, ReportError> {
     let (width, side, top) = match world {
-        World::Maze(_) => (MAZE_SIDE, MAZE_SIDE, MARGIN + TITLE_HEIGHT),
-        World::Space(_) => (2 * SPACE_SIDE + SPACE_GAP, SPACE_SIDE, MARGIN + TITLE_HEIGHT + SPACE_TITLE),
+        GoalWorld::Maze(_) => (MAZE_SIDE, MAZE_SIDE, MARGIN + TITLE_HEIGHT),
+        GoalWorld::Space(_) => (2 * SPACE_SIDE + SPACE_GAP, SPACE_SIDE, MARGIN + TITLE_HEIGHT + SPACE_TITLE),
     };
     let key_top = top + side + 8;
     let strip_top = key_top + KEY_HEIGHT;
@@ -71,8 +71,8 @@ pub(super) fn draw(world: World<'_>, film: &Film, slice: &Slice) -> Result<Strin
     canvas::svg((width + 2 * MARGIN, height), |root| {
         draw_title(root, film, width)?;
         match world {
-            World::Maze(_) => draw_view(root, world, (film, slice), [1, 0], (MARGIN, top)),
-            World::Space(_) => draw_views(root, world, (film, slice), top),
+            GoalWorld::Maze(_) => draw_view(root, world, (film, slice), [1, 0], (MARGIN, top)),
+            GoalWorld::Space(_) => draw_views(root, world, (film, slice), top),
         }
         .and_then(|()| draw_key(root, slice, (width, key_top)))
         .and_then(|()| draw_strip(root, film, slice, (width, strip_top)))
@@ -98,7 +98,7 @@ fn draw_title(root: &Area<'_>, film: &Film, width: i32) -> Result<(), ReportErro
 }
 
 /// From above and from the side.
-fn draw_views(root: &Area<'_>, world: World<'_>, shown: (&Film, &Slice), top: i32) -> DrawResult {
+fn draw_views(root: &Area<'_>, world: GoalWorld<'_>, shown: (&Film, &Slice), top: i32) -> DrawResult {
     const TITLES: [&str; 2] = ["from above: x to the right, y up", "from the side: x to the right, z up"];
     for (index, (title, axes)) in (0..).zip(TITLES.into_iter().zip(PROJECTIONS)) {
         let left = MARGIN + index * (SPACE_SIDE + SPACE_GAP);
@@ -112,19 +112,19 @@ fn draw_views(root: &Area<'_>, world: World<'_>, shown: (&Film, &Slice), top: i3
 /// The world in one projection: which coordinate goes to the right, and which up (down in mazes).
 fn draw_view(
     root: &Area<'_>,
-    world: World<'_>,
+    world: GoalWorld<'_>,
     (film, slice): (&Film, &Slice),
     axes: [usize; 2],
     at: (i32, i32),
 ) -> DrawResult {
-    let side = if let World::Maze(_) = world { MAZE_SIDE } else { SPACE_SIDE };
-    if let World::Maze(maze) = world {
+    let side = if let GoalWorld::Maze(_) = world { MAZE_SIDE } else { SPACE_SIDE };
+    if let GoalWorld::Maze(maze) = world {
         draw_walls(root, maze, at)?;
     }
     let pixel = |goal: &[f32]| {
         let [across, down] = match world {
-            World::Maze(_) => axes.map(|axis| f64::midpoint(f64::from(goal[axis]), 1.0)),
-            World::Space(cube) => in_cube(&cube, goal, axes),
+            GoalWorld::Maze(_) => axes.map(|axis| f64::midpoint(f64::from(goal[axis]), 1.0)),
+            GoalWorld::Space(cube) => in_cube(&cube, goal, axes),
         };
         let place = |share: f64| (share.clamp(0.0, 1.0) * f64::from(side)).round() as i32;
         (at.0 + place(across), at.1 + place(down))

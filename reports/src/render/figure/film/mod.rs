@@ -5,7 +5,7 @@ mod frame;
 use rayon::prelude::*;
 
 use super::raster;
-use crate::analysis::film::{Film, Slice, World};
+use crate::analysis::film::{Film, GoalWorld, Slice};
 use crate::error::ReportError;
 use crate::render::gif::{self, Pixel, Still};
 
@@ -32,7 +32,7 @@ const LAST_FRAME_TIME: u16 = 200;
 ///
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
-pub fn film(world: World<'_>, film: &Film) -> Result<Moving, ReportError> {
+pub fn film(world: GoalWorld<'_>, film: &Film) -> Result<Moving, ReportError> {
     let mut film = film.clone();
     loop {
         let moving = shoot(world, &film)?;
@@ -43,7 +43,7 @@ pub fn film(world: World<'_>, film: &Film) -> Result<Moving, ReportError> {
     }
 }
 
-fn shoot(world: World<'_>, film: &Film) -> Result<Moving, ReportError> {
+fn shoot(world: GoalWorld<'_>, film: &Film) -> Result<Moving, ReportError> {
     let last = film.slices.len().saturating_sub(1);
     let still = |(index, slice): (usize, &Slice)| {
         let svg = frame::draw(world, film, slice)?;
