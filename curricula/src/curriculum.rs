@@ -7,6 +7,7 @@ use envs::rng::Rng;
 use envs::{GoalSource, Goals, Observation, Reward, Spec};
 
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::rollouts::{RolloutRequest, Rollouts};
 
 /// The goal that a teacher asks for in the coming episode, and what it thought of that goal.
@@ -196,6 +197,9 @@ pub trait Curriculum: Send {
 
     /// What there is to record of it now.
     fn summary(&self) -> TeacherSummary<'_>;
+
+    /// What it believes now of every goal of the pool. It last proposed to `student`.
+    fn judge(&self, student: &dyn Critic) -> Judgement;
 
     /// The teacher's whole state as bytes, so that a run can resume exactly. Stateless teachers have none.
     ///

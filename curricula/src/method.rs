@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::rollouts::{RolloutRequest, Rollouts};
 use crate::state::TeacherState;
 
@@ -190,6 +191,13 @@ pub trait Method: Sized + Send + Sync + 'static {
     /// weights are not as many as the pool's goals is refused.
     fn summary<'a>(&'a self, _state: &'a Self::State) -> TeacherSummary<'a> {
         TeacherSummary::default()
+    }
+
+    /// What it believes now of every goal of the pool, for those who measure what of it is true. It last
+    /// proposed to `student`, which it cannot ask here: it tells what it went by. A method that tells nothing
+    /// is not judged by it.
+    fn judge(&self, _state: &Self::State, _student: &dyn Critic) -> Judgement {
+        Judgement::default()
     }
 
     /// Refuses a loaded state that does not fit config or pool.

@@ -62,6 +62,11 @@ impl ScoredPool {
         Proposal::pool(goal).scored(self.scores.get(goal).copied())
     }
 
+    /// The score of every goal, shape `[N]`; `None` before the first.
+    pub fn scores(&self) -> Option<Vec<f64>> {
+        (!self.scores.is_empty()).then(|| self.scores.clone())
+    }
+
     /// Refuses a loaded state that is of another pool than one of `goals`, or compares other than `window`
     /// evaluations.
     ///

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::curriculum::Lesson;
 use crate::distribution::require_finite;
 use crate::error::CurriculumError;
+use crate::judgement::success_probability;
 use crate::snapshot;
 use crate::window::Window;
 
@@ -165,6 +166,13 @@ impl Probe {
     /// The last evaluations, all comparable with each other as far as [`StateSource`] says.
     pub fn window(&self) -> &Window {
         &self.current.window
+    }
+
+    /// The newest evaluation as estimates of success, `[N]`: each value as a share of the way from `lowest`,
+    /// the lowest return there is, to 0, as ProCuRL reads it. `None` before the first.
+    pub fn success(&self, lowest: f64) -> Option<Vec<f64>> {
+        let values = self.window().last()?;
+        Some(values.iter().map(|&value| success_probability(value, lowest, 0.0)).collect())
     }
 
     /// Asks the student for its confidence in every goal of `pool`, if the networks have changed since the

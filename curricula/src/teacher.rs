@@ -6,6 +6,7 @@ use envs::{GoalSource, Reward};
 
 use crate::curriculum::{Curriculum, Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::rollouts::{RolloutRequest, Rollouts};
 use crate::snapshot;
@@ -78,6 +79,10 @@ impl<M: Method> Curriculum for Teacher<M> {
 
     fn summary(&self) -> TeacherSummary<'_> {
         self.method.summary(&self.state)
+    }
+
+    fn judge(&self, student: &dyn Critic) -> Judgement {
+        self.method.judge(&self.state, student)
     }
 
     fn save(&self) -> Result<Vec<u8>, CurriculumError> {

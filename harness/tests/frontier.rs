@@ -78,6 +78,16 @@ fn measures_change_nothing_else_and_come_out_the_same_killed_or_in_lanes() {
             assert_eq!(measure.weights.is_some(), curriculum == "teach");
         }
     }
+    // TEACH has asked nobody before the first episode; after that it tells of every goal.
+    for measure in &teach {
+        let beliefs =
+            measure.beliefs.as_ref().map(|beliefs| (beliefs.success.as_ref(), beliefs.scores.as_ref()));
+        let told = beliefs.map(|(success, scores)| (success.map(Vec::len), scores.map(Vec::len)));
+        assert_eq!(told, (measure.eval_index > 0).then_some((Some(20), Some(20))));
+    }
+    for curriculum in ["sfl", "her-iid"] {
+        assert!(measures(&place("measured"), curriculum).iter().all(|measure| measure.beliefs.is_none()));
+    }
     // All teachers of a seed have the same pool and begin with the same student.
     let iid = measures(&place("measured"), "her-iid");
     assert_eq!((&teach[0].goals, &teach[0].successes), (&iid[0].goals, &iid[0].successes));

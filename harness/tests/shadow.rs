@@ -141,6 +141,15 @@ fn check(lines: &[Shadowing], own: &str) {
             assert_eq!(shadow.weights.is_some(), is_of_pool, "{}", shadow.id);
             let sum: f32 = shadow.weights.iter().flatten().sum();
             assert!(!is_of_pool || (sum - 1.0).abs() < 1e-5, "{}: {sum}", shadow.id);
+            // Where the student was measured, those tell what they believe that have a belief by then.
+            let tells = line.eval_index % 4 == 0
+                && match shadow.id.as_str() {
+                    "lp" => true,
+                    "teach" | "procurl" => line.step > 0,
+                    _ => continue,
+                };
+            let told = shadow.beliefs.as_ref().and_then(|beliefs| Some(beliefs.scores.as_ref()?.len()));
+            assert_eq!(told, tells.then_some(20), "{} at {}", shadow.id, line.step);
         }
     }
     let is_even = |weights: &[f32]| weights.iter().all(|weight| (weight - weights[0]).abs() < 1e-6);

@@ -28,7 +28,7 @@
 
 use std::sync::Arc;
 
-use agents::Episode;
+use agents::{Critic, Episode};
 use envs::Goals;
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
@@ -39,6 +39,7 @@ use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::history::History;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::regions::Regions;
 use crate::snapshot;
@@ -175,6 +176,13 @@ impl Method for Lp {
         summary.statistics.push(("progress_mean", progress.iter().sum::<f64>() / progress.len() as f64));
         summary.statistics.push(("progress_max", progress.into_iter().fold(0.0, f64::max)));
         summary
+    }
+
+    /// A goal has the progress of its region.
+    fn judge(&self, state: &LpState, _student: &dyn Critic) -> Judgement {
+        let progress = self.progress(state);
+        let scores = (0..self.pool.len()).map(|goal| progress[self.regions.of(goal)]).collect();
+        Judgement { success: None, scores: Some(scores) }
     }
 
     fn check_state(&self, state: &LpState) -> Result<(), CurriculumError> {

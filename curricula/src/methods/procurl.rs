@@ -31,6 +31,7 @@
 
 use std::sync::Arc;
 
+use agents::Critic;
 use envs::Goals;
 use looks::colours::GREEN;
 use looks::{Dash, Look, Marker};
@@ -41,6 +42,8 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
+pub use crate::judgement::success_probability;
 use crate::method::Method;
 use crate::pool_state::ScoredPool;
 use crate::probe::{Answer, ProbeConfig, StateSource};
@@ -108,18 +111,6 @@ impl Default for ProCurlConfig {
     }
 }
 
-/// p = clip((value − min) / (max − min), 0, 1), in [0, 1]; 0 where `max` is not above `min`.
-///
-/// ```
-/// use curricula::methods::procurl::success_probability;
-///
-/// assert_eq!(success_probability(-5.0, -20.0, 0.0), 0.75);
-/// assert_eq!(success_probability(1.0, -20.0, 0.0), 1.0);
-/// ```
-pub fn success_probability(value: f64, min: f64, max: f64) -> f64 {
-    if max > min { ((value - min) / (max - min)).clamp(0.0, 1.0) } else { 0.0 }
-}
-
 /// p (1 − p), in [0, 1/4]: largest for goals that are reached every other time.
 ///
 /// ```
@@ -132,8 +123,8 @@ pub fn proximity(p: f64) -> f64 {
 }
 
 impl ProCurlConfig {
-    /// p (1 − p) of every goal from the confidence in it, both of shape `[N]`; `lowest` is −1/(1−γ).
-    fn scores(&self, confidence: &[f64], lowest: f64) -> Vec<f64> {
+    /// p of every goal from the confidence in it, both of shape `[N]`; `lowest` is −1/(1−γ).
+    fn probabilities(&self, confidence: &[f64], lowest: f64) -> Vec<f64> {
         let (min, max) = match self.bounds {
             Bounds::Fixed => (lowest, 0.0),
             // Values that no return can have are rounded more coarsely.
@@ -142,7 +133,7 @@ impl ProCurlConfig {
                 extremes(confidence, FLAT * rounding(-largest))
             }
         };
-        confidence.iter().map(|&value| proximity(success_probability(value, min, max))).collect()
+        confidence.iter().map(|&value| success_probability(value, min, max)).collect()
     }
 
     /// The curriculum that follows from every goal's score.
@@ -212,7 +203,8 @@ impl Method for ProCurl {
         let Self { config, pool } = self;
         if scored.common.probe.ask(&config.probe, pool, lesson, true)? == Answer::Recorded {
             let confidence = scored.common.probe.window().last().expect("recorded");
-            scored.scores = config.scores(confidence, lesson.student.lowest_value());
+            let probabilities = config.probabilities(confidence, lesson.student.lowest_value());
+            scored.scores = probabilities.into_iter().map(proximity).collect();
             scored.common.curriculum = config.curriculum(&scored.scores)?;
         }
         Ok(scored.propose(lesson.rng))
@@ -220,6 +212,12 @@ impl Method for ProCurl {
 
     fn summary<'a>(&'a self, ProCurlState(scored): &'a ProCurlState) -> TeacherSummary<'a> {
         scored.common.summary()
+    }
+
+    fn judge(&self, ProCurlState(scored): &ProCurlState, student: &dyn Critic) -> Judgement {
+        let confidence = scored.common.probe.window().last();
+        let success = |confidence| self.config.probabilities(confidence, student.lowest_value());
+        Judgement { success: confidence.map(success), scores: scored.scores() }
     }
 
     fn check_state(&self, ProCurlState(scored): &ProCurlState) -> Result<(), CurriculumError> {

@@ -47,7 +47,7 @@
 
 use std::sync::Arc;
 
-use agents::Episode;
+use agents::{Critic, Episode};
 use envs::Goals;
 use looks::colours::PURPLE;
 use looks::{Dash, Look, Marker};
@@ -58,11 +58,13 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Rank, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::pool_state::PoolState;
 use crate::probe::{Answer, ProbeConfig};
 use crate::snapshot;
 use crate::state::PlainState;
+use crate::window::Window;
 
 /// Evaluations that an update compares: V(t) and V(t−1).
 const COMPARED: usize = 2;
@@ -149,6 +151,14 @@ impl Order {
         if self == Self::Relative { Self::Signed } else { self }
     }
 
+    /// The score of every goal, `[N]`, at the update that made the newest evaluation; `None` without one.
+    fn scores(self, window: &Window) -> Option<Vec<f64>> {
+        let values = window.last()?;
+        let nothing = vec![0.0; values.len()];
+        let (order, last) = window.before_last().map_or((self.at_first(), &nothing[..]), |last| (self, last));
+        Some(values.iter().zip(last).map(|(&value, &last)| order.score(value, last)).collect())
+    }
+
     /// All goals with their scores, best first; among equals the one with the lower index.
     ///
     /// ```
@@ -166,12 +176,6 @@ impl Order {
 }
 
 /// The place of the set whose turn it is after place `last`, in a set of `size` goals: (i + 1) mod K.
-///
-/// ```
-/// use curricula::methods::space::next_turn;
-///
-/// assert_eq!([None, Some(0), Some(2)].map(|last| next_turn(last, 3)), [0, 1, 0]);
-/// ```
 pub fn next_turn(last: Option<usize>, size: usize) -> usize {
     last.map_or(0, |place| (place + 1) % size)
 }
@@ -305,6 +309,13 @@ impl Method for Space {
         summary.statistics.push(("set_size", state.set.len() as f64));
         summary.statistics.push(("set_confidence", state.mean));
         summary
+    }
+
+    /// SPaCE itself makes no estimate of success; its confidence is read as ProCuRL reads it. Scores are
+    /// those that the last update ranked all goals by.
+    fn judge(&self, SpaceState { common, .. }: &SpaceState, student: &dyn Critic) -> Judgement {
+        let success = common.probe.success(student.lowest_value());
+        Judgement { success, scores: self.config.order.scores(common.probe.window()) }
     }
 
     fn check_state(&self, state: &SpaceState) -> Result<(), CurriculumError> {

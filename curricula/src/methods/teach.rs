@@ -47,6 +47,7 @@
 
 use std::sync::Arc;
 
+use agents::Critic;
 use envs::Goals;
 use looks::colours::VERMILION;
 use looks::{Dash, Look, Marker};
@@ -57,6 +58,7 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::pool_state::ScoredPool;
 use crate::probe::{Answer, ProbeConfig};
@@ -287,6 +289,13 @@ impl Method for Teach {
 
     fn summary<'a>(&'a self, state: &'a TeachState) -> TeacherSummary<'a> {
         state.scored.common.summary()
+    }
+
+    /// TEACH itself makes no estimate of success; its confidence is read as ProCuRL reads it.
+    fn judge(&self, state: &TeachState, student: &dyn Critic) -> Judgement {
+        let scored = &state.scored;
+        let success = scored.common.probe.success(student.lowest_value());
+        Judgement { success, scores: scored.scores() }
     }
 
     fn check_state(&self, state: &TeachState) -> Result<(), CurriculumError> {

@@ -8,6 +8,7 @@ mod distribution;
 mod goid;
 mod her_iid;
 mod hgg;
+mod judge;
 mod looks;
 mod lp;
 mod mega;

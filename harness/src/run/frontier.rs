@@ -6,13 +6,27 @@
 use std::sync::Arc;
 
 use agents::Critic;
+use curricula::Judgement;
 use envs::rng::Rng;
 use envs::{EnvError, GoalEnv, Goals};
-use reports::schema::Frontier;
+use reports::schema::{Beliefs, Frontier};
 
 use super::error::RunError;
 use super::evaluate::{LOCKSTEP, play};
 use crate::config::frontier::FrontierOptions;
+
+/// What is recorded of a teacher's judgement of a pool of `size` goals: each list that is complete, and that
+/// single precision can hold. Nothing of a teacher that tells neither.
+pub(super) fn beliefs(judgement: &Judgement, size: usize) -> Option<Beliefs> {
+    let narrow = |values: &Vec<f64>| {
+        let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
+        (values.len() == size && values.iter().all(|value| value.is_finite())).then_some(values)
+    };
+    let success = judgement.success.as_ref().and_then(narrow);
+    let success = success.filter(|values| values.iter().all(|value| (0.0..=1.0).contains(value)));
+    let scores = judgement.scores.as_ref().and_then(narrow);
+    (success.is_some() || scores.is_some()).then_some(Beliefs { success, scores })
+}
 
 /// Measures every goal of a pool.
 pub(super) struct FrontierTruth {
@@ -72,5 +86,27 @@ impl FrontierTruth {
             played += group;
         }
         Ok(Frontier { episodes, successes, ..Frontier::default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_whole_lists_of_sound_numbers_are_recorded() {
+        let judged = |success: &[f64], scores: &[f64]| {
+            let judgement = Judgement { success: Some(success.to_vec()), scores: Some(scores.to_vec()) };
+            beliefs(&judgement, 2)
+        };
+        let [success, scores] = [Some(vec![0.0, 1.0]), Some(vec![-3.0, 0.5])];
+        let both = Beliefs { success: success.clone(), scores: scores.clone() };
+        assert_eq!(judged(&[0.0, 1.0], &[-3.0, 0.5]), Some(both));
+        let only_scores = Some(Beliefs { success: None, scores });
+        assert_eq!(judged(&[0.0, 1.5], &[-3.0, 0.5]), only_scores);
+        assert_eq!(judged(&[0.0], &[-3.0, 0.5]), only_scores);
+        assert_eq!(judged(&[0.0, 1.0], &[f64::NAN, 1e300]), Some(Beliefs { success, scores: None }));
+        assert_eq!(judged(&[f64::NAN, 1.0], &[]), None);
+        assert_eq!(beliefs(&Judgement::default(), 2), None);
     }
 }

@@ -18,6 +18,7 @@ use reports::store::digest;
 use serde::{Deserialize, Serialize};
 
 use super::error::RunError;
+use super::frontier::beliefs;
 use super::probing::{Probing, ProbingState};
 use crate::Registry;
 use crate::config::RunConfig;
@@ -193,10 +194,11 @@ impl Shadows {
         }
     }
 
-    /// What they did up to the evaluation `eval_index`, from which on they count anew.
-    pub(super) fn note(&mut self, eval_index: u64, step: u64) -> Shadowing {
+    /// What they did up to the evaluation `eval_index`, from which on they count anew; where the student was
+    /// `measured`, also what they believe of it.
+    pub(super) fn note(&mut self, eval_index: u64, step: u64, measured: Option<&dyn Critic>) -> Shadowing {
         let size = self.pool.len();
-        let shadows = self.shadows.iter_mut().map(|shadow| shadow.note(step, size)).collect();
+        let shadows = self.shadows.iter_mut().map(|shadow| shadow.note(step, size, measured)).collect();
         Shadowing { eval_index, step, episodes: std::mem::take(&mut self.episodes), shadows }
     }
 
@@ -247,8 +249,9 @@ impl Shadow {
         }
     }
 
-    /// What it did since the last note, and its weights over a pool of `size` goals.
-    fn note(&mut self, step: u64, size: usize) -> ShadowNote {
+    /// What it did since the last note, its weights over a pool of `size` goals, and what it believes of the
+    /// student that was `measured`.
+    fn note(&mut self, step: u64, size: usize, measured: Option<&dyn Critic>) -> ShadowNote {
         let weights = self.attempt(step, |teacher, _| {
             let Some(weights) = teacher.summary().weights else { return Ok(None) };
             if weights.len() == size && weights.iter().all(|weight| (0.0..=1.0).contains(weight)) {
@@ -256,12 +259,14 @@ impl Shadow {
             }
             Err(Unusable::OddWeights { found: weights.len(), expected: size }.into())
         });
+        let judgement = measured.zip(self.teacher.as_ref().ok()).map(|(student, own)| own.judge(student));
         let Proposed { picks, elsewhere } = std::mem::take(&mut self.proposed);
         ShadowNote {
             id: self.id.clone(),
             weights: weights.flatten(),
             picks: picks.into_iter().collect(),
             elsewhere,
+            beliefs: judgement.and_then(|judgement| beliefs(&judgement, size)),
             failed: self.teacher.as_ref().err().cloned(),
         }
     }

@@ -4,8 +4,8 @@ use std::cell::Cell;
 
 use agents::{AgentError, Batch, Critic, Episode, Network, Trajectory};
 use curricula::{
-    Configured, Curriculum, CurriculumError, Entry, Lesson, Proposal, RolloutRequest, Rollouts, Setting,
-    TeacherSummary,
+    Configured, Curriculum, CurriculumError, Entry, Judgement, Lesson, Proposal, RolloutRequest, Rollouts,
+    Setting, TeacherSummary,
 };
 use envs::rng::Rng;
 use envs::{GoalSource, Reward, Rows, Spec};
@@ -79,6 +79,10 @@ impl Curriculum for Watched {
             goals: &mut WatchedGoals(lesson.goals),
             rng: lesson.rng,
         })
+    }
+
+    fn judge(&self, student: &dyn Critic) -> Judgement {
+        self.0.judge(student)
     }
 
     fn observe(&mut self, episode: &Episode) -> Result<(), CurriculumError> {

@@ -45,7 +45,7 @@ pub struct Cube {
 
 impl Cube {
     /// The smallest cube around `points` that shares their middle; `None` without any.
-    fn around<'a>(points: impl Iterator<Item = &'a [f32; COORDINATES]>) -> Option<Self> {
+    pub fn around<'a>(points: impl Iterator<Item = &'a [f32; COORDINATES]>) -> Option<Self> {
         let mut ends: Option<[(f64, f64); COORDINATES]> = None;
         for point in points {
             let ends = ends.get_or_insert_with(|| point.map(|x| (f64::from(x), f64::from(x))));

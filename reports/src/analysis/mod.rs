@@ -3,12 +3,14 @@
 
 pub mod ablation;
 pub mod aggregate;
+pub mod calibration;
 pub mod catalogue;
 pub mod comparison;
 pub mod complete;
 pub mod cost;
 pub mod curves;
 pub mod efficiency;
+pub mod film;
 pub mod finals;
 pub mod frontier;
 pub mod goal_map;
@@ -23,6 +25,7 @@ pub mod missing;
 pub mod numbers;
 pub mod options;
 pub mod pairing;
+pub mod ranks;
 pub mod readings;
 pub mod scores;
 pub mod shadow;

@@ -9,6 +9,7 @@ use crate::analysis::aggregate::{Aggregate, FEWEST_SHARED, Profile, Shared};
 use crate::analysis::catalogue::{Catalogue, Paper};
 use crate::analysis::comparison::{self, Comparison};
 use crate::analysis::efficiency::{self, Efficiency};
+use crate::analysis::film::Films;
 use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::goal_map::GoalSpaces;
 use crate::analysis::group::{Group, GroupKey};
@@ -17,6 +18,7 @@ use crate::analysis::heat::Heat;
 use crate::analysis::improvement::{self, Improvement};
 use crate::analysis::ledger::{self, LedgerEntry};
 use crate::analysis::options::ReportOptions;
+use crate::analysis::ranks::{self, RankMap};
 use crate::analysis::readings::Readings;
 use crate::analysis::shadow::ShadowFiles;
 use crate::analysis::student::StudentFiles;
@@ -57,6 +59,10 @@ pub struct Analysis<'a> {
     pub heat: Heat<'a>,
     /// Where teachers sent students in tasks whose goals are points in space.
     pub goals: GoalSpaces,
+    /// The same of single runs, slice by slice.
+    pub films: Films<'a>,
+    /// Which places of their orderings teachers trained on there.
+    pub ranks: Vec<RankMap>,
     /// How students learned.
     pub student: StudentFiles,
     /// What students could do at every goal of their pools, where that was measured.
@@ -82,6 +88,10 @@ impl<'a> Analysis<'a> {
         }
         let axes = &catalogue.paper.axes;
         let frontier = FrontierFiles::of(results, store);
+        let goals = GoalSpaces::of(results, groups, &catalogue.environments);
+        let mazes = catalogue.mazes.iter().map(|maze| maze.id.as_str());
+        let spaces = goals.environments.iter().map(|space| space.environment.as_str());
+        let worlds: Vec<&str> = mazes.chain(spaces).collect();
         Self {
             store,
             protocols,
@@ -96,7 +106,9 @@ impl<'a> Analysis<'a> {
             ledger_elsewhere: ledger::ledger_elsewhere(&groups.all, options),
             readings: Readings::of(&groups.all, options),
             heat: Heat::of(results, groups, &catalogue.mazes),
-            goals: GoalSpaces::of(results, groups, &catalogue.environments),
+            films: Films::of(results, groups, catalogue, (&goals, &frontier)),
+            ranks: ranks::maps(results, groups, &worlds),
+            goals,
             student: StudentFiles::of(results, store),
             shadow: ShadowFiles::of(results, store, &frontier),
             frontier,

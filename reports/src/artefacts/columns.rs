@@ -1,9 +1,13 @@
 //! Columns and captions that several tables share.
 
+use std::sync::Arc;
+
+use crate::analysis::catalogue::MethodInfo;
 use crate::analysis::group::GroupKey;
 use crate::analysis::ledger::{Effect, LedgerEntry};
 use crate::analysis::summary::GroupSummary;
 use crate::render::table::Column;
+use crate::schema::RunKey;
 
 pub(super) const ENVIRONMENT: (&str, &str) = ("environment", "environment id");
 pub(super) const CURRICULUM: (&str, &str) = ("curriculum", "curriculum id");
@@ -28,6 +32,34 @@ pub(super) fn curriculum<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
 pub(super) fn variant<'c, R: 'c>(key: fn(&R) -> &GroupKey) -> Column<'c, R> {
     let label = move |row: &R| key(row).variant.clone();
     Column::text(VARIANT.0, VARIANT.1, label).named("Variant", label)
+}
+
+/// Which run: environment, curriculum, variant and seed.
+pub(super) fn run<'c, R: 'c>(key: fn(&R) -> &RunKey) -> [Column<'c, R>; 4] {
+    [
+        Column::text(ENVIRONMENT.0, ENVIRONMENT.1, move |row| key(row).environment.clone()),
+        Column::text(CURRICULUM.0, CURRICULUM.1, move |row| key(row).curriculum.clone()),
+        Column::text(VARIANT.0, VARIANT.1, move |row| key(row).variant.clone()),
+        Column::count(SEED.0, SEED.1, move |row| key(row).seed),
+    ]
+}
+
+/// The id of a teacher, the one that acted or one that watched; to read, if it `is_shown`, its name and which
+/// of both it is.
+pub(super) fn teacher<'c, R: 'c>(
+    meaning: &str,
+    is_shown: bool,
+    of: fn(&R) -> (&Arc<MethodInfo>, bool),
+) -> Column<'c, R> {
+    let meaning = format!("{meaning}: `curriculum`, which acted, or a shadow");
+    let column = Column::text("teacher", meaning, move |row| of(row).0.id.clone());
+    if !is_shown {
+        return column;
+    }
+    column.named("Teacher", move |row| {
+        let (teacher, is_shadow) = of(row);
+        if is_shadow { format!("{} (watched)", teacher.title) } else { teacher.title.clone() }
+    })
 }
 
 /// Seeds with at least one evaluation.

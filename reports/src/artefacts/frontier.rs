@@ -30,21 +30,16 @@ pub(super) const MAPS: Artefact = Artefact::figures("frontier", Section::Environ
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
     let rows: Vec<SightSummary> = groups.flat_map(|group| SightSummary::of(group, analysis)).collect();
-    let teacher = Column::text(
-        "teacher",
-        "curriculum id of the teacher whose weights and proposals are judged: `curriculum`, which acted, or a shadow",
-        |row: &SightSummary| row.teacher.id.clone(),
-    );
     let is_watched = rows.iter().any(SightSummary::is_shadow);
-    let title = |row: &SightSummary| match row.is_shadow() {
-        true => format!("{} (watched)", row.teacher.title),
-        false => row.teacher.title.clone(),
-    };
     let mut columns = vec![
         columns::environment(|row: &SightSummary| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        if is_watched { teacher.named("Teacher", title) } else { teacher },
+        columns::teacher(
+            "curriculum id of the teacher whose weights and proposals are judged",
+            is_watched,
+            |row: &SightSummary| (&row.teacher, row.is_shadow()),
+        ),
         Column::count(
             "n_measured",
             "seeds with a measure of the frontier after training had begun",
@@ -209,13 +204,8 @@ fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let mean = |rates: Vec<f64>| stats::mean(&rates);
     let solved =
         |rates: Vec<f64>| stats::mean(&rates.iter().map(|&p| f64::from(p >= SOLVED)).collect::<Vec<_>>());
-    let columns = [
-        Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, |row: &Row<'_>| {
-            row.0.environment.clone()
-        }),
-        Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |row: &Row<'_>| row.0.curriculum.clone()),
-        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &Row<'_>| row.0.variant.clone()),
-        Column::count(columns::SEED.0, columns::SEED.1, |row: &Row<'_>| row.0.seed),
+    let mut columns: Vec<Column<'_, Row<'_>>> = columns::run(|row: &Row<'_>| row.0).into();
+    columns.extend([
         Column::count("step", "training steps taken in the environment", |row: &Row<'_>| row.1.step),
         Column::count(
             "eval_index",
@@ -243,7 +233,7 @@ fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
              teacher has no weights, or all goals are of one kind",
             |row: &Row<'_>| MeasureSight::of(row.1).auc,
         ),
-    ];
+    ]);
     Sheet::of(String::new(), &rows, &columns)
 }
 

@@ -6,6 +6,7 @@
 
 mod ablations;
 mod aggregates;
+mod calibration;
 mod columns;
 mod comparisons;
 mod costs;
@@ -15,6 +16,7 @@ mod deviations;
 mod efficiency;
 mod environments;
 mod files;
+mod film;
 mod frontier;
 mod goal_map;
 mod heading;
@@ -28,6 +30,8 @@ mod numbers;
 mod options;
 mod page;
 mod profiles;
+mod progress;
+mod ranks;
 mod readings;
 mod records;
 mod report;
@@ -56,6 +60,8 @@ pub static ARTEFACTS: &[Artefact] = &[
     student::ROW,
     frontier::MEASURES,
     shadow::LINES,
+    calibration::RELIABILITY,
+    calibration::JUDGEMENTS,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -66,6 +72,8 @@ pub static ARTEFACTS: &[Artefact] = &[
     teaching::ROW,
     frontier::ROW,
     coverage::ROW,
+    calibration::ROW,
+    progress::ROW,
     shadow::AGREEMENT,
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
@@ -79,7 +87,10 @@ pub static ARTEFACTS: &[Artefact] = &[
     variants::ROW,
     heat::ROW,
     goal_map::ROW,
+    ranks::ROW,
+    film::ROW,
     frontier::MAPS,
+    calibration::DIAGRAMS,
     shadow::MATRICES,
     student::FIGURES,
     numbers::TEACHERS,
@@ -145,6 +156,8 @@ fn style(analysis: &Analysis<'_>) -> Style {
 pub enum Content {
     /// Figures: none where there is nothing to draw, several where environments have one each.
     Figures(fn(&Analysis<'_>) -> Result<Vec<Drawing>, ReportError>),
+    /// Films: none where there is nothing to show.
+    Films(fn(&Analysis<'_>) -> Result<Vec<Reel>, ReportError>),
     /// A table.
     Table {
         /// What a row stands for, in the data dictionary.
@@ -183,7 +196,31 @@ pub struct Drawing {
     pub svg: String,
 }
 
+/// A moving picture as GIF.
+#[derive(Clone, Debug)]
+pub struct Reel {
+    /// Name of its file, without extension.
+    pub name: String,
+    /// What it shows: its heading, and what is read out in its place.
+    pub title: String,
+    /// The environment in whose section it stands.
+    pub environment: String,
+    /// The pictures.
+    pub gif: Vec<u8>,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+}
+
 impl Artefact {
+    /// Films of single environments.
+    const fn films(
+        id: &'static str,
+        section: Section,
+        shoot: fn(&Analysis<'_>) -> Result<Vec<Reel>, ReportError>,
+    ) -> Self {
+        Self { id, section, content: Content::Films(shoot) }
+    }
+
     /// Figures.
     const fn figures(
         id: &'static str,

@@ -2,7 +2,7 @@
 
 use super::heading::Heading;
 use super::made::{Made, shown};
-use super::{Artefact, Content, Drawing, RESULTS, Repeated, Section};
+use super::{Artefact, Content, Drawing, RESULTS, Reel, Repeated, Section};
 use crate::analysis::whole::Analysis;
 use crate::render::page::{self, PageSection, Picture};
 use crate::render::table::{Sheet, Table};
@@ -72,6 +72,7 @@ fn environments(analysis: &Analysis<'_>, made: &[Made]) -> Vec<PageSection> {
     let ids = analysis.groups.environments();
     let section = |(index, name): (usize, &&str)| {
         let mut body = pictures(made, |_, drawing| drawing.environment.as_deref() == Some(*name));
+        body += &films(made, name);
         for (sheet, _) in repeated(made).filter(|(_, how)| *how == Repeated::Open) {
             // Their captions stand below the tables of all environments.
             let part = Table { caption: String::new(), ..sheet.table.part(name) };
@@ -94,8 +95,21 @@ fn environments(analysis: &Analysis<'_>, made: &[Made]) -> Vec<PageSection> {
 fn repeated(made: &[Made]) -> impl Iterator<Item = (&Sheet, Repeated)> {
     made.iter().filter_map(|Made { artefact: Artefact { content, .. }, sheet, .. }| match content {
         Content::Table { repeated, .. } => Some((sheet.as_ref()?, *repeated)),
-        Content::Figures(_) => None,
+        Content::Figures(_) | Content::Films(_) => None,
     })
+}
+
+/// The films of an environment, to unfold: nothing on the page moves unasked.
+fn films(made: &[Made], environment: &str) -> String {
+    let all = made.iter().flat_map(|made| &made.reels);
+    let here: Vec<&Reel> = all.filter(|reel| reel.environment == environment).collect();
+    if here.is_empty() {
+        return String::new();
+    }
+    let film = |reel: &&Reel| page::film(&reel.title, &reel.gif, reel.size);
+    let films: String = here.iter().map(film).collect();
+    let title = format!("Where teachers sent the student, in motion ({})", here.len());
+    page::folded(&title, &page::row_of_figures(&films))
 }
 
 /// The figures that `belongs` says of, as HTML.

@@ -29,13 +29,12 @@ fn progress<'a>(analysis: &'a Analysis<'_>) -> Vec<Column<'a, Run>> {
     let environment = |run: &Run| run.key().environment.clone();
     let variant = |run: &Run| run.key().variant.clone();
     let title = |run: &Run| analysis.catalogue().method_of(&run.manifest).title.clone();
+    let [of_environment, of_curriculum, of_variant, of_seed] = columns::run(Run::key);
     vec![
-        Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, environment)
-            .named("Environment", environment),
-        Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |run: &Run| run.key().curriculum.clone())
-            .named("Curriculum", title),
-        Column::text(columns::VARIANT.0, columns::VARIANT.1, variant).named("Variant", variant),
-        Column::count(columns::SEED.0, columns::SEED.1, |run: &Run| run.key().seed),
+        of_environment.named("Environment", environment),
+        of_curriculum.named("Curriculum", title),
+        of_variant.named("Variant", variant),
+        of_seed,
         Column::text("status", "`finished`, `failed` or `unfinished`", |run: &Run| status(run).to_owned())
             .named("Status", |run| status(run).to_owned()),
         Column::only_shown("Seed", |run: &Run| run.key().seed.to_string()),

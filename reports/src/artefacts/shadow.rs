@@ -144,13 +144,8 @@ fn lines(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let runs = analysis.shadow.runs.iter();
     let rows: Vec<Row<'_>> =
         runs.flat_map(|(run, watched)| watched.notes.iter().map(move |line| (run, watched, line))).collect();
-    let columns = [
-        Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, |row: &Row<'_>| {
-            row.0.environment.clone()
-        }),
-        Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |row: &Row<'_>| row.0.curriculum.clone()),
-        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &Row<'_>| row.0.variant.clone()),
-        Column::count(columns::SEED.0, columns::SEED.1, |row: &Row<'_>| row.0.seed),
+    let mut columns: Vec<Column<'_, Row<'_>>> = columns::run(|row: &Row<'_>| row.0).into();
+    columns.extend([
         Column::count("step", "training steps taken in the environment", |row: &Row<'_>| row.2.step),
         Column::count(
             "eval_index",
@@ -186,6 +181,6 @@ fn lines(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         Column::text("silent", "`yes` if it had failed before, `no` otherwise", |row: &Row<'_>| {
             String::from(if row.2.silent { "yes" } else { "no" })
         }),
-    ];
+    ]);
     Sheet::of(String::new(), &rows, &columns)
 }

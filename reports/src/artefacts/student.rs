@@ -29,13 +29,8 @@ fn columns<'a>() -> Vec<Column<'a, Row<'a>>> {
     let real = |name, meaning, value: fn(&Learning) -> Option<f64>| {
         Column::real(name, meaning, move |row: &Row<'a>| value(row.1))
     };
-    vec![
-        Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, |row: &Row<'a>| {
-            row.0.environment.clone()
-        }),
-        Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |row: &Row<'a>| row.0.curriculum.clone()),
-        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &Row<'a>| row.0.variant.clone()),
-        Column::count(columns::SEED.0, columns::SEED.1, |row: &Row<'a>| row.0.seed),
+    let mut columns: Vec<Column<'a, Row<'a>>> = columns::run(|row: &Row<'a>| row.0).into();
+    columns.extend([
         Column::count("step", "training steps taken in the environment", |row: &Row<'a>| row.1.step),
         Column::count(
             "eval_index",
@@ -62,7 +57,8 @@ fn columns<'a>() -> Vec<Column<'a, Row<'a>>> {
         Column::count("replay_transitions", "transitions in the replay buffer", |row: &Row<'a>| {
             row.1.replay_transitions
         }),
-    ]
+    ]);
+    columns
 }
 
 fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {

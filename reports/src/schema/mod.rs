@@ -172,6 +172,23 @@ pub struct Frontier {
     /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for
     /// teachers that do not weigh the pool.
     pub weights: Option<Vec<f32>>,
+    /// What the teacher believed of every goal of the pool then; absent of one that tells nothing, and in
+    /// files older than the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beliefs: Option<Beliefs>,
+}
+
+/// What a teacher believed of every goal of the pool; one that asks the student had done so when it last
+/// proposed. Nothing of it is measured.
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beliefs {
+    /// How likely it took the student to succeed at each goal, `[N]`, in [0, 1] and single precision; `null`
+    /// for a teacher without such an estimate.
+    pub success: Option<Vec<f32>>,
+    /// How it scored each goal, `[N]`, in its own unit and in single precision: the larger, the more it
+    /// wanted the goal; `null` for a teacher that scores none.
+    pub scores: Option<Vec<f32>>,
 }
 
 impl Frontier {
@@ -210,6 +227,10 @@ pub struct ShadowNote {
     pub picks: Vec<(u32, u32)>,
     /// How many of its proposals were goals from elsewhere.
     pub elsewhere: u64,
+    /// What it believed of every goal of the pool, where the student was measured at these goals; absent
+    /// elsewhere, of one that tells nothing, and in files older than the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beliefs: Option<Beliefs>,
     /// Why it has fallen silent; absent from the file of one that has not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,

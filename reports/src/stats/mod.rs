@@ -4,6 +4,7 @@
 //! come as strata: one slice of scores, one score per seed, for each environment.
 
 mod bootstrap;
+mod calibration;
 mod moments;
 mod order;
 mod permutation;
@@ -17,6 +18,7 @@ mod tail;
 mod welch;
 
 pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified_intervals};
+pub use calibration::{ReliabilityBin, calibration_error, reliability};
 pub use moments::{Ddof, mean, std_dev};
 pub use order::{iqm, median, quantile};
 pub use permutation::{Permutation, permutation, permutations};

@@ -4,7 +4,7 @@ use std::fs;
 
 use super::support::{key, line, options, seal, write_configured, write_run};
 use reports::analysis::catalogue::MazeInfo;
-use reports::schema::Frontier;
+use reports::schema::{Beliefs, Frontier};
 use reports::store::layout::{self, FRONTIER};
 use reports::store::{self, Store};
 use serde_json::json;
@@ -20,6 +20,7 @@ fn measure(eval_index: u64, successes: [u64; 4], weights: Option<[f32; 4]>) -> F
         successes: successes.to_vec(),
         goals: (eval_index == 0).then(|| goals.map(Vec::from).to_vec()),
         weights: weights.map(Vec::from),
+        ..Frontier::default()
     }
 }
 
@@ -29,6 +30,10 @@ fn each_damaged_line_is_named() {
     let config = json!({ "pool": { "size": 4 }, "frontier": { "every": 1, "episodes": 5 } });
     let folder = write_configured(results.path(), &key("E", "nova", "default", 0), &[0.0; 8], config);
     let sound = measure(1, [0, 1, 2, 3], Some([0.25; 4]));
+    let believed = |success: Option<Vec<f32>>, scores: Option<Vec<f32>>| Frontier {
+        beliefs: Some(Beliefs { success, scores }),
+        ..measure(2, [0; 4], None)
+    };
     let lines = [
         measure(0, [0; 4], None),
         sound.clone(),
@@ -40,6 +45,9 @@ fn each_damaged_line_is_named() {
         measure(2, [0; 4], Some([0.5, 1.5, 0.0, 0.0])),
         Frontier { goals: Some(vec![vec![0.0, 0.0], vec![0.0], vec![], vec![]]), ..measure(2, [0; 4], None) },
         Frontier { step: 7, ..measure(3, [0; 4], None) },
+        believed(Some(vec![0.5; 3]), None),
+        believed(Some(vec![0.5, -0.5, 0.0, 0.0]), None),
+        believed(None, Some(vec![0.0; 5])),
         sound.clone(),
     ];
     fs::write(folder.join(FRONTIER), lines.iter().map(line).collect::<String>() + "{\"ev").unwrap();
@@ -48,7 +56,7 @@ fn each_damaged_line_is_named() {
     let (kept, problems) = store::frontier(results.path(), &store.runs()[0]);
     assert_eq!(kept, [measure(0, [0; 4], None), sound]);
     let expected = [
-        "12: incomplete last line (4 bytes without a newline), ignored",
+        "15: incomplete last line (4 bytes without a newline), ignored",
         "3: episodes is 0, line ignored; expected at least 1",
         "4: episodes is 6, line ignored; expected as many as the config says",
         "5: successes is 3 long, line ignored; expected an entry for every goal of the pool",
@@ -56,7 +64,10 @@ fn each_damaged_line_is_named() {
         "7: weights is 2 long, line ignored; expected as many entries as successes",
         "8: weights is 1.5, line ignored; expected numbers in [0, 1]",
         "9: goals is [0.0], line ignored; expected goals of finite numbers, all of one length",
-        "11: evaluation 1 again, ignored; line 2 has it",
+        "11: beliefs.success is 3 long, line ignored; expected an entry for every goal of the pool",
+        "12: beliefs.success is -0.5, line ignored; expected numbers in [0, 1]",
+        "13: beliefs.scores is 5 long, line ignored; expected an entry for every goal of the pool",
+        "14: evaluation 1 again, ignored; line 2 has it",
         "10: step is 7, line ignored; expected the step of the same evaluation",
     ];
     let named: Vec<String> = problems.iter().map(ToString::to_string).collect();

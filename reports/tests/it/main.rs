@@ -3,11 +3,13 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
 mod altered;
+mod calibration;
 mod comparable;
 mod data;
 mod efficiency;
 mod families;
 mod figures;
+mod film;
 mod footer;
 mod frontier;
 mod latex;

@@ -4,7 +4,7 @@ use std::fs;
 
 use super::support::{key, line, options, seal, write_configured, write_run};
 use reports::analysis::catalogue::MazeInfo;
-use reports::schema::{Frontier, ShadowNote, Shadowing, Teaching};
+use reports::schema::{Beliefs, Frontier, ShadowNote, Shadowing, Teaching};
 use reports::store::layout::{self, FRONTIER, SHADOW, TEACHING};
 use reports::store::{self, Store};
 use serde_json::json;
@@ -16,7 +16,7 @@ fn note(id: &str, weights: Option<[f32; 4]>, picks: &[(u32, u32)], elsewhere: u6
         weights: weights.map(Vec::from),
         picks: picks.to_vec(),
         elsewhere,
-        failed: None,
+        ..ShadowNote::default()
     }
 }
 
@@ -44,6 +44,7 @@ fn each_damaged_line_is_named() {
         line.shadows[0] = ShadowNote { weights: None, picks: vec![(1, 2)], ..line.shadows[0].clone() };
         failed(&mut line.shadows[0]);
     });
+    let believed = |scores: &[f32]| Beliefs { success: None, scores: Some(scores.to_vec()) };
     let lines = [
         shadowing(1, even),
         with(two(), |line| line.shadows.truncate(1)),
@@ -57,6 +58,11 @@ fn each_damaged_line_is_named() {
         with(two(), |line| line.shadows[0].picks = vec![(0, 3)]),
         with(two(), |line| line.shadows[1].elsewhere = 5),
         Shadowing { step: 7, ..two() },
+        with(two(), |line| line.shadows[1].beliefs = Some(believed(&[0.0; 5]))),
+        with(two(), |line| {
+            line.shadows[1] = ShadowNote { beliefs: Some(believed(&[0.0; 4])), ..line.shadows[1].clone() };
+            failed(&mut line.shadows[1]);
+        }),
         silent.clone(),
     ];
     fs::write(folder.join(SHADOW), lines.iter().map(line).collect::<String>()).unwrap();
@@ -75,6 +81,8 @@ fn each_damaged_line_is_named() {
         "9: picks of wren is 0 times, line ignored; expected goals that were proposed",
         "10: picks of wren is 3 in all, line ignored; expected one for every episode",
         "11: elsewhere of moss is 5, line ignored; expected at most one for every proposal",
+        "13: beliefs.scores of moss is 5 long, line ignored; expected an entry for every goal of the pool",
+        "14: beliefs of moss is given, line ignored; expected none from a shadow that has failed",
         "12: step is 7, line ignored; expected the step of the same evaluation",
     ];
     let named: Vec<String> = problems.iter().map(ToString::to_string).collect();
@@ -142,6 +150,7 @@ fn tables_data_and_maps_by_hand() {
             successes: successes.to_vec(),
             goals: (eval_index == 0).then(|| GOALS.map(Vec::from).to_vec()),
             weights: Some(acting.to_vec()),
+            ..Frontier::default()
         };
         let measures = [measure(0, [0; 4]), measure(1, [2, 0, 0, 5]), measure(3, [5, 5, 0, 3])];
         fs::write(folder.join(TEACHING), taught).unwrap();

@@ -4,6 +4,7 @@ use envs::GoalEnv;
 
 use super::{ENOUGH_CYCLES, GOALS, Subject, proposals, restless, unsteady};
 use crate::curriculum::{Proposal, ProposedGoal};
+use crate::judgement::Judgement;
 use crate::registry::Entry;
 use crate::testing::Class;
 
@@ -103,6 +104,21 @@ pub(super) fn tells_weights_that_are_a_distribution(subject: Subject<'_>) {
                 assert!((told - expected).abs() < 1e-9, "{subject}: {name} is {told}, not {expected}");
             }
         }
+    }
+}
+
+pub(super) fn believes_something_of_every_goal_or_of_none(subject: Subject<'_>) {
+    let mut class = subject.class(GOALS);
+    for _ in 0..6 {
+        let Judgement { success, scores } = class.teacher.judge(&class.student);
+        for beliefs in [&success, &scores].into_iter().flatten() {
+            assert!(subject.entry.uses_pool, "{subject}: judges a pool that it does not use");
+            assert_eq!(beliefs.len(), GOALS, "{subject}: one belief for each goal");
+            assert!(beliefs.iter().all(|belief| belief.is_finite()), "{subject}: {beliefs:?}");
+        }
+        let mut estimates = success.iter().flatten();
+        assert!(estimates.all(|p| (0.0..=1.0).contains(p)), "{subject}: {success:?}");
+        proposals(&mut class, 1);
     }
 }
 

@@ -1,6 +1,7 @@
 //! What lies between turns: the student is evaluated, diagnosed and, on request, measured at every goal of
 //! the pool. None of it changes what the run does next.
 
+use agents::Critic;
 use curricula::TeacherSummary;
 use envs::rng::Purpose;
 use reports::schema::{Frontier, Learning, Record, Teaching};
@@ -9,6 +10,7 @@ use serde_json::{Map, Value};
 use super::Trainer;
 use crate::run::error::RunError;
 use crate::run::evaluate::{evaluate, learning};
+use crate::run::frontier::beliefs;
 use crate::run::observer::{Laps, Observer, Stage};
 use crate::run::picks;
 
@@ -49,11 +51,13 @@ impl Trainer {
         let taught = std::mem::replace(&mut self.teaching, picks::no_episodes());
         let teaching = Teaching { eval_index: self.evaluations, step: self.step, weights, ..taught };
         observer.record(&record, &teaching, &learning)?;
+        let is_measured = frontier.is_some();
         if let Some(frontier) = frontier {
             observer.measured(&frontier)?;
         }
         if !self.shadows.is_empty() {
-            observer.shadowed(&self.shadows.note(self.evaluations, self.step))?;
+            let student = is_measured.then_some(&*self.agent as &dyn Critic);
+            observer.shadowed(&self.shadows.note(self.evaluations, self.step, student))?;
         }
         self.evaluations += 1;
         Ok(())
@@ -73,7 +77,10 @@ impl Trainer {
         let goals = (self.evaluations == 0).then(|| frontier.goals());
         let weights = self.curriculum.summary().weights;
         let weights = weights.map(|weights| weights.iter().map(|&w| w as f32).collect());
-        Ok(Some(Frontier { eval_index: self.evaluations, step: self.step, goals, weights, ..measured }))
+        let judgement = self.curriculum.judge(self.agent.as_ref());
+        let beliefs = beliefs(&judgement, measured.successes.len());
+        let (eval_index, step) = (self.evaluations, self.step);
+        Ok(Some(Frontier { eval_index, step, goals, weights, beliefs, ..measured }))
     }
 
     /// How the student's learning stands. Its batch comes from a stream of this evaluation's own, so that

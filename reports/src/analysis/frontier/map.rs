@@ -201,6 +201,7 @@ mod tests {
             successes: vec![0, 4, 1],
             goals: Some([[-0.5, -0.5], [-0.5, 0.5], [-0.1, 0.1]].map(Vec::from).to_vec()),
             weights: Some(vec![0.5, 0.25, 0.25]),
+            ..Frontier::default()
         };
         let (goals, weights) = (None, None);
         let later = |step, successes: [u64; 3]| Frontier {
@@ -209,11 +210,11 @@ mod tests {
             successes: successes.to_vec(),
             goals: goals.clone(),
             weights: weights.clone(),
-            ..first
+            ..first.clone()
         };
         let lines = [first.clone(), later(70, [1, 1, 1]), later(90, [4, 4, 2])];
         let catalogue = Catalogue::default();
-        let wanted = |weights: Option<Vec<f32>>| Wanted { weights, picks: Vec::new() };
+        let wanted = |weights: Option<Vec<f32>>| Wanted { weights, ..Wanted::default() };
         let watched = WatchedRun {
             teachers: ["nova", "wren"].map(String::from).to_vec(),
             measured: [(1, vec![wanted(None), wanted(Some(vec![0.0, 0.75, 0.25]))])].into(),

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::heat::third;
-use crate::schema::{Frontier, RunKey, ShadowNote, Shadowing, Teaching};
+use crate::schema::{Beliefs, Frontier, RunKey, ShadowNote, Shadowing, Teaching};
 use crate::stats::{self, RankOrder};
 use crate::store::problem::StoreProblem;
 use crate::store::{self, Run, Store};
@@ -73,6 +73,8 @@ pub struct Wanted {
     /// Goals of the pool that it proposed since the evaluation before, or that were nearest to those, and how
     /// often.
     pub picks: Vec<(u32, u32)>,
+    /// What it believed of every goal of the pool, if it tells; of the one that acted, the measure tells.
+    pub beliefs: Option<Beliefs>,
 }
 
 impl ShadowFiles {
@@ -142,10 +144,12 @@ impl WatchedRun {
             }
             if measured.contains(&line.eval_index) {
                 let own = own.map(|line| wanted_by_own(line, goals.unwrap_or_default())).unwrap_or_default();
-                let shadows = line
-                    .shadows
-                    .iter()
-                    .map(|note| Wanted { weights: note.weights.clone(), picks: note.picks.clone() });
+                let of_shadow = |note: &ShadowNote| Wanted {
+                    weights: note.weights.clone(),
+                    picks: note.picks.clone(),
+                    beliefs: note.beliefs.clone(),
+                };
+                let shadows = line.shadows.iter().map(of_shadow);
                 run.measured.insert(line.eval_index, [own].into_iter().chain(shadows).collect());
             }
         }
@@ -188,7 +192,7 @@ fn wanted_by_own(line: &Teaching, goals: &[Vec<f32>]) -> Wanted {
             *counts.entry(pick).or_default() += 1;
         }
     }
-    Wanted { weights: line.weights.clone(), picks: counts.into_iter().collect() }
+    Wanted { weights: line.weights.clone(), picks: counts.into_iter().collect(), beliefs: None }
 }
 
 /// The one of `goals` that is nearest to `goal`; the first of several.

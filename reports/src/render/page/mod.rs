@@ -4,6 +4,8 @@ mod protocol;
 
 use std::fmt::Display;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
 pub use protocol::{settings, versions};
@@ -82,7 +84,23 @@ pub fn figures(pictures: &[Picture]) -> String {
              src=\"data:image/svg+xml,{data}\"><figcaption>{title}</figcaption></figure>\n"
         )
     };
-    format!("<div class=\"figures\">\n{}</div>\n", pictures.iter().map(figure).collect::<String>())
+    row_of_figures(&pictures.iter().map(figure).collect::<String>())
+}
+
+/// Figures, as HTML, in a row where they fit.
+pub fn row_of_figures(figures: &str) -> String {
+    format!("<div class=\"figures\">\n{figures}</div>\n")
+}
+
+/// A moving picture: a GIF of `size` pixels.
+pub fn film(title: &str, gif: &[u8], (width, height): (u32, u32)) -> String {
+    let title = html_escape(title);
+    let class = if f64::from(width) > WIDE_FILM { "wide" } else { "narrow film" };
+    let data = STANDARD.encode(gif);
+    format!(
+        "<figure class=\"{class}\"><img width=\"{width}\" height=\"{height}\" alt=\"{title}\" \
+         src=\"data:image/gif;base64,{data}\"><figcaption>{title}</figcaption></figure>\n"
+    )
 }
 
 /// HTML to unfold, below a title.
@@ -115,6 +133,8 @@ const IN_DATA_URLS: &AsciiSet = &NON_ALPHANUMERIC
 const SCALE: f64 = 0.42;
 /// Figures wider than this have a row of the page to themselves.
 const WIDE: f64 = 500.0;
+/// Films wider than this, likewise.
+const WIDE_FILM: f64 = 600.0;
 
 /// `width` or `height` of an SVG, as its root says.
 fn side(svg: &str, name: &str) -> Option<f64> {

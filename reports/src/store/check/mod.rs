@@ -1,5 +1,6 @@
 //! Checks that a single line cannot show: ranges, keys, order, completeness.
 
+mod beliefs;
 mod shadow;
 
 use std::collections::BTreeMap;
@@ -309,8 +310,11 @@ impl OfEvaluation for Frontier {
         if let Some(fault) = goals.as_deref().and_then(unsound_goal) {
             return Some(fault);
         }
-        let weight = weights.iter().flatten().find(|weight| !(0.0..=1.0).contains(*weight))?;
-        range("weights", weight, "numbers in [0, 1]")
+        if let Some(weight) = weights.iter().flatten().find(|weight| !(0.0..=1.0).contains(*weight)) {
+            return range("weights", weight, "numbers in [0, 1]");
+        }
+        let (field, value, accepted) = self.beliefs.as_ref().and_then(|own| beliefs::misfit(own, size))?;
+        range(field, value, accepted)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the shadows of a run can have done.
 
-use super::{OfEvaluation, range};
+use super::{OfEvaluation, beliefs, range};
 use crate::schema::{RunKey, ShadowNote, Shadowing};
 use crate::store::limits::Limits;
 use crate::store::problem::Fault;
@@ -26,7 +26,7 @@ impl OfEvaluation for Shadowing {
 
 /// The first thing about `note` that cannot be, after so many episodes and with so many goals in the pool.
 fn misfit(note: &ShadowNote, episodes: u64, goals: Option<u64>) -> Option<Fault> {
-    let ShadowNote { id, weights, picks, elsewhere, failed } = note;
+    let ShadowNote { id, weights, picks, elsewhere, beliefs: believed, failed } = note;
     let wrong = |field: &str, value: String, accepted: &'static str| {
         range(&format!("{field} of {id}"), value, accepted)
     };
@@ -43,6 +43,17 @@ fn misfit(note: &ShadowNote, episodes: u64, goals: Option<u64>) -> Option<Fault>
         }
         if let Some(weight) = weights.iter().find(|weight| !(0.0..=1.0).contains(*weight)) {
             return wrong("weights", weight.to_string(), "numbers in [0, 1]");
+        }
+    }
+    if let Some(told) = believed {
+        if failed.is_some() {
+            return wrong("beliefs", "given".to_owned(), "none from a shadow that has failed");
+        }
+        let lists = [&told.success, &told.scores];
+        let length = lists.into_iter().flatten().next().map(|list| list.len() as u64);
+        let size = goals.or(length).unwrap_or_default();
+        if let Some((field, value, accepted)) = beliefs::misfit(told, size) {
+            return wrong(field, value, accepted);
         }
     }
     let size = goals.or_else(|| Some(weights.as_ref()?.len() as u64));
