@@ -36,6 +36,7 @@ mod shadow;
 mod student;
 mod summary;
 mod teaching;
+mod tuning;
 mod variant_settings;
 mod variants;
 
@@ -56,6 +57,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     student::ROW,
     frontier::MEASURES,
     shadow::LINES,
+    tuning::TRIALS,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -70,6 +72,9 @@ pub static ARTEFACTS: &[Artefact] = &[
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
     readings::ROW,
+    tuning::FIGURES,
+    tuning::ROW,
+    tuning::SENSITIVITY,
     intervals::ROW,
     profiles::ROW,
     efficiency::ROW,

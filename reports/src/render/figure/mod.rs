@@ -30,6 +30,7 @@ mod shapes;
 mod style;
 mod text;
 mod ticks;
+mod trials;
 
 pub use agreement::{AgreementMatrix, agreement};
 pub use basis::Basis;
@@ -45,3 +46,4 @@ pub use palette::{FALLBACK, Palette};
 pub use profile::profiles;
 pub use raster::png;
 pub use style::Style;
+pub use trials::trials;
