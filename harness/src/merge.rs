@@ -225,7 +225,8 @@ fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
     (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
 }
 
-const KIND: FolderKind = FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols", layout::TUNING] };
+const KIND: FolderKind =
+    FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols", layout::TUNING] };
 
 /// Copies into a temporary neighbour of `out`, checks what was copied, then renames it. `parts` are runs by the
 /// results folder below it that they go to.

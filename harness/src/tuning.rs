@@ -6,7 +6,7 @@ use std::path::Path;
 use guard::fresh::write_through;
 use reports::analysis::complete::failed_as_zero;
 use reports::analysis::options::Failures;
-use reports::analysis::tuning::choose::{self, Trials as Scores};
+use reports::analysis::tuning::choose::{self, TrialRuns};
 use reports::schema::{RunKey, TrialScore, TunedCurriculum, Tuning};
 use reports::store::{Store, layout};
 use reports::wording::counted;
@@ -27,7 +27,8 @@ pub(crate) fn choose(protocol: &Protocol, trials: &Trials, results: &Path) -> Re
     let store = Store::read(&folder)?;
     let completed = failed_as_zero(&store, Failures::Zero);
     let search = &trials.search;
-    let scores = Scores { store: &store, completed: &completed, measure: search.measure, seeds: &search.seeds };
+    let scores =
+        TrialRuns { store: &store, completed: &completed, measure: search.measure, seeds: &search.seeds };
     let unscored = |run: RunKey| {
         let problems = store.problems().iter().find(|problem| {
             let place = layout::run_dir(Path::new(""), &run);

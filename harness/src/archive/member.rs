@@ -54,7 +54,9 @@ mod tests {
 
     #[test]
     fn only_files_of_results_belong_into_archives() {
-        for name in ["runs/MazeA/teach/default/seed-0/records.jsonl", "protocols/a b.toml", "tuning/choice.json"] {
+        for name in
+            ["runs/MazeA/teach/default/seed-0/records.jsonl", "protocols/a b.toml", "tuning/choice.json"]
+        {
             assert_eq!(member(name), Some(Member::Results), "{name}");
         }
         for name in ["DATA.md", "runs.parquet", "policies/MazeA/teach/x=1/seed-3/policy.json"] {

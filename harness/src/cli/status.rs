@@ -51,9 +51,9 @@ pub(super) fn show(args: &Args) -> Exit {
         print(&as_text(&runs));
     }
     let of_trials = trials.as_ref().map_or(&[][..], |trials| &trials.strays);
-    let lines = named(&strays).into_iter().chain(
-        named(of_trials).into_iter().map(|line| format!("{}/{line}", layout::TUNING)),
-    );
+    let lines = named(&strays)
+        .into_iter()
+        .chain(named(of_trials).into_iter().map(|line| format!("{}/{line}", layout::TUNING)));
     let mut is_sound = true;
     for line in lines {
         complain(&format!("goalbench: {line}"));

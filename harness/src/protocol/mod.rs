@@ -8,7 +8,7 @@ mod idle;
 mod name;
 pub mod plan;
 pub mod presets;
-pub(crate) mod search;
+pub mod search;
 
 use guard::text::short;
 use toml::Table;

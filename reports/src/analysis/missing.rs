@@ -150,7 +150,9 @@ fn measures(analysis: &Analysis<'_>) -> Vec<String> {
 /// A search without a choice, and choices without runs.
 fn search(analysis: &Analysis<'_>) -> Vec<String> {
     if analysis.tuning.is_open {
-        return vec!["the search over settings: its trials have not all ended, so nothing is chosen".to_owned()];
+        return vec![
+            "the search over settings: its trials have not all ended, so nothing is chosen".to_owned(),
+        ];
     }
     let places = analysis.tuning.places(analysis.groups, analysis.options);
     let without = places.iter().filter(|place| place.tried.chosen != DEFAULT && place.tuned.is_none());

@@ -2,7 +2,7 @@
 
 use super::files::file_name;
 use super::{Artefact, Drawing, Section, columns, style};
-use crate::analysis::tuning::{DEFAULT, FreshScores, TunedPlace, TuningFile};
+use crate::analysis::tuning::{DEFAULT, FreshScores, TunedPlace};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
@@ -11,6 +11,7 @@ use crate::render::table::cells::{
 };
 use crate::render::table::{Column, Sheet};
 use crate::schema::{TrialPlace, TrialScore, Tuning};
+use crate::store::layout;
 use crate::wording::counted;
 
 const SECTION: Section = Section::Named { id: "tuning", title: "Tuned against default settings" };
@@ -73,23 +74,34 @@ fn columns<'a>(measure: &'a str) -> Vec<Column<'a, TunedPlace<'a>>> {
         Column::text("measure", "`area` or `final`: what the search went by", |_: &TunedPlace<'_>| {
             measure.to_owned()
         }),
-        Column::count("n_default", "finished runs with the default settings on fresh seeds", |row: &TunedPlace<'_>| {
-            row.default.map(|of| of.n as u64)
-        }),
-        Column::real("default_mean", "mean over fresh seeds of the measure with the default settings", |row: &TunedPlace<'_>| {
-            row.default.map(|of| of.mean)
-        })
+        Column::count(
+            "n_default",
+            "finished runs with the default settings on fresh seeds",
+            |row: &TunedPlace<'_>| row.default.map(|of| of.n as u64),
+        ),
+        Column::real(
+            "default_mean",
+            "mean over fresh seeds of the measure with the default settings",
+            |row: &TunedPlace<'_>| row.default.map(|of| of.mean),
+        )
         .shown("Default", |row| fresh(row.default)),
         Column::real("default_std", "its standard deviation over seeds, ddof = 1", |row: &TunedPlace<'_>| {
             row.default.and_then(|of| of.std)
         }),
-        Column::count("n_tuned", "the same with the chosen settings; empty where the default ones were chosen", |row: &TunedPlace<'_>| {
-            row.tuned.map(|of| of.n as u64)
+        Column::count(
+            "n_tuned",
+            "the same with the chosen settings; empty where the default ones were chosen",
+            |row: &TunedPlace<'_>| row.tuned.map(|of| of.n as u64),
+        ),
+        Column::real(
+            "tuned_mean",
+            "mean over fresh seeds of the measure with the chosen settings",
+            |row: &TunedPlace<'_>| row.tuned.map(|of| of.mean),
+        )
+        .shown("Tuned", |row| match row.tried.best() {
+            Some(_) if is_kept(row) => "the same".to_owned(),
+            _ => fresh(row.tuned),
         }),
-        Column::real("tuned_mean", "mean over fresh seeds of the measure with the chosen settings", |row: &TunedPlace<'_>| {
-            row.tuned.map(|of| of.mean)
-        })
-        .shown("Tuned", |row| if is_kept(row) { "the same".to_owned() } else { fresh(row.tuned) }),
         Column::real("tuned_std", "its standard deviation over seeds", |row: &TunedPlace<'_>| {
             row.tuned.and_then(|of| of.std)
         }),
@@ -110,9 +122,11 @@ fn differences<'a>() -> Vec<Column<'a, TunedPlace<'a>>> {
             row.difference.map(|of| of.mean)
         })
         .shown("Difference", |row| or_undefined(row.difference, |of| with_interval(of.mean, of.interval))),
-        Column::real("difference_ci_low", "lower end of its paired bootstrap interval", |row: &TunedPlace<'_>| {
-            row.difference.and_then(|of| of.interval).map(|ci| ci.0)
-        }),
+        Column::real(
+            "difference_ci_low",
+            "lower end of its paired bootstrap interval",
+            |row: &TunedPlace<'_>| row.difference.and_then(|of| of.interval).map(|ci| ci.0),
+        ),
         Column::real("difference_ci_high", "its upper end", |row: &TunedPlace<'_>| {
             row.difference.and_then(|of| of.interval).map(|ci| ci.1)
         }),
@@ -167,7 +181,7 @@ fn caption(tuning: &Tuning, analysis: &Analysis<'_>) -> String {
          need not be the same number of steps for curricula with uncharged rollouts.",
         seeds(tuning),
         tuning.measure.in_words(),
-        TuningFile::folder(),
+        layout::TUNING,
         tuning.measure.in_words(),
         columns::percent(analysis.options.resampling.confidence),
     )
@@ -185,9 +199,11 @@ fn sensitivity(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         columns::curriculum(|row| &row.key),
         Column::count("trials", "draws of settings", |row: &TunedPlace<'_>| row.drawn().len() as u64)
             .shown("Trials", |row| row.drawn().len().to_string()),
-        Column::real("default", "score of the default settings on the seeds of the search", |row: &TunedPlace<'_>| {
-            row.on_search_seeds().map(|place| place.score)
-        })
+        Column::real(
+            "default",
+            "score of the default settings on the seeds of the search",
+            |row: &TunedPlace<'_>| row.on_search_seeds().map(|place| place.score),
+        )
         .shown("Default", |row| or_undefined(row.on_search_seeds(), |place| decimal(place.score))),
         Column::real("worst", "lowest score of a trial", move |row: &TunedPlace<'_>| end(row, 0))
             .shown("Worst", move |row| or_undefined(end(row, 0), decimal)),
@@ -201,8 +217,10 @@ fn sensitivity(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             TunedPlace::share_better,
         )
         .shown("Better than default", |row| or_undefined(row.share_better(), decimal)),
-        Column::count("distinct", "different settings among the trials", |row: &TunedPlace<'_>| distinct(row))
-            .shown("Different settings", |row| distinct(row).to_string()),
+        Column::count("distinct", "different settings among the trials", |row: &TunedPlace<'_>| {
+            distinct(row)
+        })
+        .shown("Different settings", |row| distinct(row).to_string()),
         Column::count("failed", "runs of trials that failed", |row: &TunedPlace<'_>| failed(row))
             .shown("Failed runs", |row| failed(row).to_string()),
     ];
@@ -248,21 +266,31 @@ fn trials(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let columns = [
         columns::environment(|row: &Tried<'_>| &row.place.key),
         columns::curriculum(|row| &row.place.key),
-        Column::text("trial", "variant of its runs; `default` for the default settings", |row: &Tried<'_>| {
-            row.trial.variant.clone()
-        }),
+        Column::text(
+            "trial",
+            "variant of its runs; `default` for the default settings",
+            |row: &Tried<'_>| row.trial.variant.clone(),
+        ),
         Column::text("settings", "the drawn settings", |row: &Tried<'_>| {
             Some(row.trial.said()).filter(|_| !row.trial.settings.is_empty())
         }),
-        Column::real("score", "mean over the seeds of the search of its measure", |row: &Tried<'_>| row.found.score),
-        Column::real("score_overall", "the same over all environments: what is chosen by", |row: &Tried<'_>| {
-            row.trial.score
+        Column::real("score", "mean over the seeds of the search of its measure", |row: &Tried<'_>| {
+            row.found.score
         }),
+        Column::real(
+            "score_overall",
+            "the same over all environments: what is chosen by",
+            |row: &Tried<'_>| row.trial.score,
+        ),
         Column::count("n_seeds", "runs", |row: &Tried<'_>| row.found.by_seed.len() as u64),
-        Column::count("n_failed", "those that failed, and count 0 from their failure on", |row: &Tried<'_>| {
-            row.found.failed
+        Column::count(
+            "n_failed",
+            "those that failed, and count 0 from their failure on",
+            |row: &Tried<'_>| row.found.failed,
+        ),
+        Column::count("steps", "steps that they took, probe rollouts included", |row: &Tried<'_>| {
+            row.found.steps
         }),
-        Column::count("steps", "steps that they took, probe rollouts included", |row: &Tried<'_>| row.found.steps),
         Column::text("chosen", "`yes` for the chosen settings", |row: &Tried<'_>| {
             (row.trial.variant == row.place.tried.chosen).then(|| "yes".to_owned())
         }),

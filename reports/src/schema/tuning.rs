@@ -102,7 +102,7 @@ impl TuningMeasure {
 
 impl TunedCurriculum {
     /// The default settings among those that were tried.
-    pub fn default(&self) -> Option<&TrialScore> {
+    pub fn untuned(&self) -> Option<&TrialScore> {
         self.tried.first()
     }
 

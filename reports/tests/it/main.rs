@@ -23,4 +23,5 @@ mod student;
 mod support;
 mod teaching;
 mod timings;
+mod tuning;
 mod verdicts;

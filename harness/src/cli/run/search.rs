@@ -29,7 +29,9 @@ pub(super) fn run(command: &Command<'_>, trials: &Trials) -> Exit {
     let endings = match command.carry_out(&plan, &folder)? {
         Done::Submitted(submitted) => {
             tell_submitted(&submitted, results);
-            print("these are the trials; when they have ended, the same command submits the chosen and the default settings\n");
+            print(
+                "these are the trials; when they have ended, the same command submits the chosen and the default settings\n",
+            );
             return Ok(ExitCode::Success);
         }
         Done::Here(endings) | Done::Before(endings) => endings,
@@ -79,7 +81,8 @@ pub(super) fn dry_run(command: &Command<'_>, trials: &Trials) -> Exit {
         let choice = tuning::choose(protocol, trials, results)?;
         (protocol.tuned(trials, &tuning::chosen(&choice)), "")
     } else {
-        let note = "; where no trial is better, `tuned` falls away; what is chosen counts as the default settings";
+        let note =
+            "; where no trial is better, `tuned` falls away; what is chosen counts as the default settings";
         (protocol.untuned(trials), note)
     };
     let plan = Plan::new(&experiment, registry)?;

@@ -134,13 +134,21 @@ mod tests {
         let values = [3, 5, 10, 20].map(Value::Integer).to_vec();
         [
             (range("curriculum.teach.window", Spread::Values(values)), None),
-            (range("curriculum.teach.interplay", Spread::Between { low: 1.0, high: 9.0, log: false }), Some(Kind::Whole)),
-            (range("student.critic_lr", Spread::Between { low: 1e-4, high: 1e-2, log: true }), Some(Kind::Real)),
+            (
+                range("curriculum.teach.interplay", Spread::Between { low: 1.0, high: 9.0, log: false }),
+                Some(Kind::Whole),
+            ),
+            (
+                range("student.critic_lr", Spread::Between { low: 1e-4, high: 1e-2, log: true }),
+                Some(Kind::Real),
+            ),
         ]
     }
 
     fn drawn(seed: u64, curriculum: &str, number: usize) -> String {
-        let one = |(range, kind): &(SettingRange, Option<Kind>)| draw(range, *kind, seed, curriculum, number).to_string();
+        let one = |(range, kind): &(SettingRange, Option<Kind>)| {
+            draw(range, *kind, seed, curriculum, number).to_string()
+        };
         three().iter().map(one).collect::<Vec<_>>().join(" ")
     }
 
@@ -159,9 +167,8 @@ mod tests {
         let all = |(range, kind): &(SettingRange, Option<Kind>)| -> Vec<Value> {
             (1..=2_000).map(|number| draw(range, *kind, 7, "teach", number)).collect()
         };
-        let count = |drawn: &[Value], value: i64| {
-            drawn.iter().filter(|one| one.as_integer() == Some(value)).count()
-        };
+        let count =
+            |drawn: &[Value], value: i64| drawn.iter().filter(|one| one.as_integer() == Some(value)).count();
         // Four values of 2,000 draws: 500 each, with a standard deviation of 19; nine: 222 with 14.
         for value in [3, 5, 10, 20] {
             assert!((420..580).contains(&count(&all(&values), value)), "{value}");

@@ -15,7 +15,7 @@ use super::{Protocol, Reader, seeds_of};
 use crate::config::layer::{ConfigLayer, Origin};
 use crate::error::HarnessError;
 
-pub(crate) use trials::Trials;
+pub use trials::Trials;
 
 /// What a search draws, and on which seeds.
 #[derive(Clone, Debug)]
@@ -141,8 +141,10 @@ fn unfit(names: &[&str]) -> Option<String> {
 
 /// What is wrong with the ends of a range, if anything is.
 fn misfit(low: f64, high: f64, log: bool) -> Option<String> {
-    if !low.is_finite() || !high.is_finite() {
-        return Some("`low` and `high` must be finite numbers".to_owned());
+    if !(high - low).is_finite() {
+        return Some(
+            "`low` and `high` must be finite numbers, and so must be what lies between them".to_owned(),
+        );
     }
     if low >= high {
         return Some(format!("`low` is {low} and `high` is {high}; `low` must be below `high`"));
@@ -159,7 +161,8 @@ impl SettingRange {
 
     /// Whether some curriculum would have both, of one field or of fields of which one holds the other.
     fn meets(&self, other: &Self) -> bool {
-        let is_within = |a: &str, b: &str| a == b || a.strip_prefix(b).is_some_and(|rest| rest.starts_with('.'));
+        let is_within =
+            |a: &str, b: &str| a == b || a.strip_prefix(b).is_some_and(|rest| rest.starts_with('.'));
         let shared = self.curricula.is_empty() || self.curricula.iter().any(|id| other.is_of(id));
         (shared || other.curricula.is_empty())
             && (is_within(&self.field, &other.field) || is_within(&other.field, &self.field))
@@ -209,7 +212,10 @@ impl Search {
         let is_idle = |range: &&SettingRange| !protocol.curricula.iter().any(|id| range.is_of(id));
         let said = |range: &SettingRange| {
             let ids = range.curricula.join(" or ");
-            format!("{}: this range changes nothing: no run has the curriculum {ids}", range.origin.place(&[]))
+            format!(
+                "{}: this range changes nothing: no run has the curriculum {ids}",
+                range.origin.place(&[])
+            )
         };
         self.ranges.iter().filter(is_idle).map(said).collect()
     }

@@ -15,9 +15,9 @@ use crate::protocol::{DEFAULT_VARIANT, Patch, Protocol, Variant};
 
 /// The trials of a search.
 #[derive(Clone, Debug)]
-pub(crate) struct Trials {
+pub struct Trials {
     /// The default settings and every trial of the curricula with ranges, as variants, on the search's seeds.
-    pub(crate) protocol: Protocol,
+    pub protocol: Protocol,
     /// The search.
     pub(crate) search: Search,
 }
@@ -28,7 +28,7 @@ impl Protocol {
     /// # Errors
     /// [`HarnessError`] if seeds overlap, a range is not one of its field, an option fixes what is searched, or
     /// none of the curricula has a range.
-    pub(crate) fn trials(&self, registry: &Registry) -> Result<Option<Trials>, HarnessError> {
+    pub fn trials(&self, registry: &Registry) -> Result<Option<Trials>, HarnessError> {
         let Some(search) = &self.search else { return Ok(None) };
         let wrong = |reason: String| Err(HarnessError::Protocol { place: search.place.clone(), reason });
         if let Some(seed) = search.seeds.iter().find(|seed| self.seeds.contains(seed)) {
@@ -48,7 +48,10 @@ impl Protocol {
             }
         }
         if searched.is_empty() {
-            return wrong(format!("no range is one of {}; nothing could be searched", self.curricula.join(", ")));
+            return wrong(format!(
+                "no range is one of {}; nothing could be searched",
+                self.curricula.join(", ")
+            ));
         }
         let (seeds, curricula) = (search.seeds.clone(), searched);
         let protocol = Self { variants, seeds, curricula, search: None, ..self.clone() };
@@ -83,7 +86,8 @@ impl Protocol {
     /// The experiment: the default settings of every curriculum, and beside them the `chosen` ones of those
     /// for which they are others, each given by the variant of its trials.
     pub(crate) fn tuned(&self, trials: &Trials, chosen: &BTreeMap<String, String>) -> Self {
-        let default = Variant { label: DEFAULT_VARIANT.to_owned(), patch: patch(Vec::new(), Table::new(), "") };
+        let default =
+            Variant { label: DEFAULT_VARIANT.to_owned(), patch: patch(Vec::new(), Table::new(), "") };
         let mut variants = vec![default];
         for (curriculum, label) in chosen.iter().filter(|(_, label)| *label != DEFAULT_VARIANT) {
             let table = trials.variant(curriculum, label).map(|variant| variant.patch.layer.table.clone());

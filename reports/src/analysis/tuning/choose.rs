@@ -9,7 +9,7 @@ use crate::store::{Run, Store};
 const WINDOW: usize = 5;
 
 /// The runs of a search, and what counts of them.
-pub struct Trials<'a> {
+pub struct TrialRuns<'a> {
     /// The runs.
     pub store: &'a Store,
     /// Those that failed, as they count ([`failed_as_zero`](crate::analysis::complete::failed_as_zero)).
@@ -28,7 +28,7 @@ pub fn measured(run: &Run, measure: TuningMeasure, window: usize) -> Option<f64>
     }
 }
 
-impl Trials<'_> {
+impl TrialRuns<'_> {
     /// What came of the runs of a curriculum and variant in one environment.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ mod tests {
         ]);
         let completed = failed_as_zero(&store, Failures::Zero);
         let place = |measure| {
-            let trials = Trials { store: &store, completed: &completed, measure, seeds: &[7, 8] };
+            let trials = TrialRuns { store: &store, completed: &completed, measure, seeds: &[7, 8] };
             trials.place("E", "c", "trial-01").expect("both have ended")
         };
         // Areas: (0.25 + 0.75) / 2, and (0.5 + 0.5) / 2 with 0 after the failure.
@@ -141,7 +141,7 @@ mod tests {
         let store = Store::of(vec![run("trial-01", 7, &[0.0, 1.0], true), open]);
         let completed = failed_as_zero(&store, Failures::Zero);
         let measure = TuningMeasure::Area;
-        let trials = Trials { store: &store, completed: &completed, measure, seeds: &[7] };
+        let trials = TrialRuns { store: &store, completed: &completed, measure, seeds: &[7] };
         assert_eq!(trials.place("E", "c", "trial-01").expect("it has ended").by_seed, [0.0]);
         for variant in ["trial-02", "trial-03"] {
             let open = trials.place("E", "c", variant).expect_err("it has not ended");

@@ -14,8 +14,8 @@ use crate::analysis::groups::Groups;
 use crate::analysis::options::ReportOptions;
 use crate::schema::{TrialPlace, TrialScore, TunedCurriculum, Tuning};
 use crate::stats::{self, Ddof, SignFlip};
+use crate::store;
 use crate::store::problem::StoreProblem;
-use crate::store::{self, layout};
 use choose::measured;
 
 /// Variant of the runs with the chosen settings.
@@ -81,11 +81,6 @@ impl TuningFile {
         Self { tuning, is_open, problems }
     }
 
-    /// Where its trials lie, for people.
-    pub fn folder() -> &'static str {
-        layout::TUNING
-    }
-
     /// The search of every curriculum in every environment that the report is about, in the order of tables.
     pub fn places<'a>(&'a self, groups: &Groups<'_>, options: &ReportOptions) -> Vec<TunedPlace<'a>> {
         let Some(tuning) = &self.tuning else { return Vec::new() };
@@ -121,8 +116,9 @@ impl<'a> TunedPlace<'a> {
             })
         };
         let by_seed = |group: &Group<'_>| -> Vec<(u64, f64)> {
-            let score =
-                |run: &&crate::store::Run| Some((run.key().seed, measured(run, tuning.measure, options.window)?));
+            let score = |run: &&crate::store::Run| {
+                Some((run.key().seed, measured(run, tuning.measure, options.window)?))
+            };
             group.runs.iter().filter_map(score).collect()
         };
         let key = GroupKey::new(&options.catalogue, environment, &tried.curriculum, DEFAULT);
@@ -145,7 +141,7 @@ impl<'a> TunedPlace<'a> {
 
     /// The default settings on the seeds of the search.
     pub fn on_search_seeds(&self) -> Option<&'a TrialPlace> {
-        self.tried.default()?.place(&self.key.environment)
+        self.tried.untuned()?.place(&self.key.environment)
     }
 
     /// Scores of the drawn settings in this environment, on the seeds of the search; in order.
@@ -154,10 +150,9 @@ impl<'a> TunedPlace<'a> {
         self.tried.drawn().iter().filter_map(place).collect()
     }
 
-    /// That of the chosen ones, where these were drawn.
-    pub fn chosen(&self) -> Option<f64> {
-        let chosen = self.tried.best().filter(|trial| trial.variant != DEFAULT)?;
-        Some(chosen.place(&self.key.environment)?.score)
+    /// The place of the chosen ones among these; `None` where they are the default ones.
+    pub fn chosen(&self) -> Option<usize> {
+        self.tried.drawn().iter().position(|trial| trial.variant == self.tried.chosen)
     }
 
     /// Lowest, median and highest score of the drawn settings; `None` of none.
@@ -185,7 +180,11 @@ impl<'a> TunedPlace<'a> {
 impl FreshScores {
     fn of(by_seed: &[(u64, f64)]) -> Option<Self> {
         let scores: Vec<f64> = by_seed.iter().map(|(_, score)| *score).collect();
-        Some(Self { n: scores.len(), mean: stats::mean(&scores)?, std: stats::std_dev(&scores, Ddof::Sample) })
+        Some(Self {
+            n: scores.len(),
+            mean: stats::mean(&scores)?,
+            std: stats::std_dev(&scores, Ddof::Sample),
+        })
     }
 }
 

@@ -40,8 +40,8 @@ type Estimate = (f64, Option<(f64, f64)>);
 /// Single values behind an estimate.
 pub(super) struct Dots {
     pub(super) all: Vec<f64>,
-    /// One of them, in a ring.
-    pub(super) chosen: Option<f64>,
+    /// Index of the one in a ring.
+    pub(super) chosen: Option<usize>,
 }
 
 /// One plot over all rows.
@@ -185,7 +185,13 @@ impl Forest<'_> {
         })
     }
 
-    fn draw_column(&self, root: &Area<'_>, column: &Column<'_>, at: (i32, i32), size: (i32, i32)) -> DrawResult {
+    fn draw_column(
+        &self,
+        root: &Area<'_>,
+        column: &Column<'_>,
+        at: (i32, i32),
+        size: (i32, i32),
+    ) -> DrawResult {
         let ((left, top), (width, height)) = (at, size);
         let bottom = top + height;
         let RateAxis { low, high, ref ticks, ref name, .. } = column.axis;
@@ -220,11 +226,12 @@ impl Forest<'_> {
             shapes::marker(root, (x(*value), y), *look)?;
             if let Some(dots) = column.dots.get(index as usize) {
                 // Equal values beside each other, below and above the row's middle.
-                for (&value, lift) in dots.all.iter().zip(LIFTS.iter().cycle()) {
-                    shapes::dot(root, (x(value), y + lift), *look)?;
-                }
-                if let Some(chosen) = dots.chosen {
-                    shapes::ring(root, (x(chosen), y))?;
+                for (number, (&value, lift)) in dots.all.iter().zip(LIFTS.iter().cycle()).enumerate() {
+                    let at = (x(value), y + lift);
+                    shapes::dot(root, at, *look)?;
+                    if dots.chosen == Some(number) {
+                        shapes::ring(root, at)?;
+                    }
                 }
             }
         }

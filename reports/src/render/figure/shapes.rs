@@ -14,8 +14,8 @@ const LINE_WIDTH: u32 = 5;
 /// Half the size of a marker in pixels.
 const MARKER_RADIUS: i32 = 11;
 /// Sizes of dots and of the rings around them, in pixels, and how much dots cover.
-const DOT_RADIUS: i32 = 6;
-const RING_RADIUS: i32 = 24;
+const DOT_RADIUS: i32 = 7;
+const RING_RADIUS: i32 = 14;
 const DOT_OPACITY: f64 = 0.5;
 /// Opacity of bands: six of them on top of each other can still be told apart.
 const BAND_OPACITY: f64 = 0.15;

@@ -12,7 +12,8 @@ use crate::wording::counted;
 /// # Errors
 /// [`ReportError::Figure`] if drawing fails.
 pub fn trials(rows: &[TunedPlace<'_>], tuning: &Tuning, style: &Style) -> Result<String, ReportError> {
-    let estimate = |row: &TunedPlace<'_>| row.on_search_seeds().map_or((0.0, None), |place| (place.score, None));
+    let estimate =
+        |row: &TunedPlace<'_>| row.on_search_seeds().map_or((0.0, None), |place| (place.score, None));
     let dots = |row: &TunedPlace<'_>| Dots { all: row.drawn(), chosen: row.chosen() };
     let (name, environment) =
         (capital(tuning.measure.in_words()), rows.first().map_or("", |row| row.key.environment.as_str()));
