@@ -46,6 +46,9 @@ fn the_data_are_complete_and_described() {
         ("ledger", 15),
         ("ledger-elsewhere", 0),
         ("readings", 0),
+        ("tuning", 0),
+        ("sensitivity", 0),
+        ("trials", 0),
         ("environments", 0),
     ];
     assert_eq!(text.matches("\n## ").count(), files.len());

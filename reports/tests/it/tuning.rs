@@ -95,13 +95,22 @@ fn fresh(results: &Path) {
 
 fn rows(report: &Path, name: &str) -> Vec<BTreeMap<String, String>> {
     let text = fs::read_to_string(report.join(name)).unwrap();
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| {
-        let cells = line.split(',').map(str::to_owned);
-        names.iter().map(|name| (*name).to_owned()).zip(cells).collect()
-    };
-    lines.map(row).collect()
+    let mut lines = text.lines().map(cells);
+    let names = lines.next().unwrap();
+    lines.map(|cells| names.iter().cloned().zip(cells).collect()).collect()
+}
+
+/// The cells of a line of CSV, where a comma between quotes is text.
+fn cells(line: &str) -> Vec<String> {
+    let (mut cells, mut quoted) = (vec![String::new()], false);
+    for letter in line.chars() {
+        match letter {
+            '"' => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            other => cells.last_mut().unwrap().push(other),
+        }
+    }
+    cells
 }
 
 #[test]

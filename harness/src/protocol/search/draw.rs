@@ -156,9 +156,9 @@ mod tests {
     #[test]
     fn draws_stay_what_they_are() {
         let found: Vec<String> = (1..=4).map(|number| drawn(0, "teach", number)).collect();
-        assert_eq!(found, ["", "", "", ""]);
-        assert_eq!(drawn(1, "teach", 1), "");
-        assert_eq!(drawn(0, "vds", 1), "");
+        assert_eq!(found, ["3 3 0.0001518", "5 1 0.000789", "5 2 0.000179", "20 1 0.0008802"]);
+        assert_eq!(drawn(1, "teach", 1), "10 3 0.0002183");
+        assert!(drawn(0, "vds", 1).ends_with(" 0.007802"), "{}", drawn(0, "vds", 1));
     }
 
     #[test]
