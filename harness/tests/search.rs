@@ -72,9 +72,9 @@ fn what_cannot_be_searched_is_refused_with_its_place_and_what_is_accepted() {
     let cases: Vec<(String, &[&str])> = vec![
         (
             with("trials = 2\nseeds = [100, 1]"),
-            &["protocol.toml:10:", "seed 1 is one of the search and of the experiment"],
+            &["protocol.toml:11:", "seed 1 is one of the search and of the experiment"],
         ),
-        (with("trials = 0\nseeds = [100]"), &["protocol.toml:11:", "search.trials", "must be 1 to 1000"]),
+        (with("trials = 0\nseeds = [100]"), &["protocol.toml:12:", "search.trials", "must be 1 to 1000"]),
         (with("trials = 2\nseeds = []"), &["search.seeds", "empty"]),
         (with("trials = 2\nseeds = '9..3'"), &["search.seeds"]),
         (with("seeds = [100]"), &["search", "`trials` is missing"]),
@@ -82,7 +82,7 @@ fn what_cannot_be_searched_is_refused_with_its_place_and_what_is_accepted() {
         (format!("{TOY}\n[search]\ntrials = 2\nseeds = [100]\n"), &["needs at least one"]),
         (
             range("field = 'student.critic_lr'\nlow = 2.0\nhigh = 1.0"),
-            &["protocol.toml:13:", "`low` must be below `high`"],
+            &["protocol.toml:14:", "`low` must be below `high`"],
         ),
         (
             range("field = 'student.critic_lr'\nlow = 0.0\nhigh = 1.0\nlog = true"),
@@ -96,7 +96,7 @@ fn what_cannot_be_searched_is_refused_with_its_place_and_what_is_accepted() {
         (range("field = 'curriculum.teach.window'\nvalues = []"), &["is empty; name at least one"]),
         (
             range("field = 'curriculum.teach.windw'\nvalues = [3]"),
-            &["protocol.toml:13:", "did you mean `window`?"],
+            &["protocol.toml:14:", "did you mean `window`?"],
         ),
         (range("field = 'curriculum.teech.window'\nvalues = [3]"), &["did you mean `teach`?"]),
         (range("field = 'student'\nvalues = [3]"), &["is no path of a setting"]),
@@ -112,18 +112,25 @@ fn what_cannot_be_searched_is_refused_with_its_place_and_what_is_accepted() {
         // Outside of what the field takes: one of the values, and an end.
         (
             range("field = 'curriculum.teach.window'\nvalues = [3, 1]"),
-            &["protocol.toml:13:", "curriculum.teach.window:"],
+            &["protocol.toml:14:", "curriculum.teach.window:"],
         ),
-        (range("field = 'student.polyak'\nlow = 0.5\nhigh = 1.5"), &["protocol.toml:13:", "student.polyak:"]),
+        (range("field = 'student.polyak'\nlow = 0.5\nhigh = 1.5"), &["protocol.toml:14:", "student.polyak:"]),
         (range("field = 'curriculum.teach.window'\nlow = 2.5\nhigh = 7"), &["must be a whole number"]),
-        (range("field = 'curriculum.teach.score'\nlow = 1\nhigh = 2"), &["curriculum.teach.score"]),
+        (
+            range("field = 'curriculum.teach.confidence'\nlow = 1\nhigh = 2"),
+            &["curriculum.teach.confidence", "must be one of"],
+        ),
         (
             range(&format!("{window}\n[[search.range]]\n{window}")),
-            &["protocol.toml:16:", "are ranges of one setting"],
+            &["protocol.toml:17:", "are ranges of one setting"],
         ),
         (
             range(&format!("{window}\n[[variant]]\nlabel = 'x'")),
             &["a protocol with a search has no variants of its own"],
+        ),
+        (
+            range("field = 'curriculum.vds.polyak'\nvalues = [7]"),
+            &["protocol.toml:14:", "curriculum.vds.polyak"],
         ),
         (
             range("field = 'curriculum.vds.polyak'\nvalues = [0.5]"),
@@ -354,6 +361,59 @@ fn a_curriculum_more_or_a_trial_more_changes_no_draw() {
     let window = |table: &toml::Table| table["Point/teach/trial-02"]["curriculum"]["teach"]["window"].clone();
     assert_eq!(window(&small), window(&large));
     assert!(large.contains_key("Point/lp/trial-05") && !small.contains_key("Point/teach/trial-03"));
+}
+
+/// Results can be compared and searches extended only as long as no draw changes.
+#[test]
+fn draws_stay_what_they_are_and_fill_their_ranges() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let ranges = "
+[[search.range]]
+field = 'curriculum.teach.window'
+values = [3, 5, 10, 20]
+[[search.range]]
+field = 'curriculum.teach.interplay'
+low = 1
+high = 9
+[[search.range]]
+field = 'student.critic_lr'
+low = 1e-4
+high = 1e-2
+log = true
+";
+    let drawn = |seed: u64, curriculum: &str, trials: usize| -> Vec<(i64, i64, f64)> {
+        let head = format!("[search]\ntrials = {trials}\nseed = {seed}\nseeds = [100]");
+        let path = write_protocol(folder.path(), &format!("{TOY}{head}{ranges}"));
+        let output = goalbench(&["run", &path, "--print-config", "--curriculum", curriculum]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let configs: toml::Table = stdout(&output).parse().expect("TOML");
+        let of = |number: usize| {
+            let config = &configs[&format!("Point/{curriculum}/trial-{number:02}")];
+            let own = &config["curriculum"][curriculum];
+            let count = |name: &str| own.get(name).and_then(toml::Value::as_integer).unwrap_or(0);
+            let rate = config["student"]["critic_lr"].as_float().expect("a number");
+            (count("window"), count("interplay"), rate)
+        };
+        (1..=trials).map(of).collect()
+    };
+    let many = drawn(0, "teach", 1_000);
+    assert_eq!(many[..4], [(3, 3, 0.000_151_8), (5, 1, 0.000_789), (5, 2, 0.000_179), (20, 1, 0.000_880_2)]);
+    assert_eq!(drawn(1, "teach", 1), [(10, 3, 0.000_218_3)]);
+    let rates: Vec<f64> = drawn(0, "vds", 2).iter().map(|one| one.2).collect();
+    assert_eq!(rates, [0.007_802, 0.000_131_2]);
+    // Of 1,000 draws each of four values has 250, with a standard deviation of 14; each of nine 111, with 10.
+    for value in [3, 5, 10, 20] {
+        let count = many.iter().filter(|one| one.0 == value).count();
+        assert!((195..305).contains(&count), "{value}: {count}");
+    }
+    for value in 1..=9 {
+        let count = many.iter().filter(|one| one.1 == value).count();
+        assert!((71..151).contains(&count), "{value}: {count}");
+    }
+    assert!(many.iter().all(|one| (1e-4..=1e-2).contains(&one.2)));
+    // Even in the logarithm: half of them below the geometric mean.
+    let below = many.iter().filter(|one| one.2 < 1e-3).count();
+    assert!((437..563).contains(&below), "{below}");
 }
 
 #[test]

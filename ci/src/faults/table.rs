@@ -138,7 +138,7 @@ pub(crate) static FAULTS: &[Fault] = &[
         file: "curricula/src/methods/sfl.rs",
         original: "    p * (1.0 - p)\n",
         faulty: "    p * p\n",
-        shows: true,
+        shows: false,
     },
     Fault {
         name: "plr-rank",
@@ -148,15 +148,6 @@ pub(crate) static FAULTS: &[Fault] = &[
         original: "order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));",
         faulty: "order.sort_by(|&a, &b| scores[a].total_cmp(&scores[b]));",
         shows: false,
-    },
-    Fault {
-        name: "plr-credit",
-        title: "PLR gives the episodes of a cycle each other's scores",
-        baseline: METHODS,
-        file: "curricula/src/methods/plr.rs",
-        original: "awaiting.iter().zip((0..awaiting.len()).rev())",
-        faulty: "awaiting.iter().zip(0..awaiting.len())",
-        shows: true,
     },
     Fault {
         name: "goid-mastered",
@@ -177,15 +168,6 @@ pub(crate) static FAULTS: &[Fault] = &[
         shows: true,
     },
     Fault {
-        name: "alp-last",
-        title: "ALP-GMM compares an episode with the last one, not with the nearest",
-        baseline: METHODS,
-        file: "curricula/src/methods/alp_gmm.rs",
-        original: "if self.goals.len() > TOO_FEW { nearest(&self.goals, goal) } else { None };",
-        faulty: "if self.goals.len() > TOO_FEW { Some(self.goals.len() - 1) } else { None };",
-        shows: true,
-    },
-    Fault {
         name: "mega-dense",
         title: "MEGA chooses the densest of the goals that pass",
         baseline: METHODS,
@@ -202,15 +184,6 @@ pub(crate) static FAULTS: &[Fault] = &[
         original: "    1.0 / (b + divergence).max(1.0)\n",
         faulty: "    1.0 / (b - divergence).max(1.0)\n",
         shows: false,
-    },
-    Fault {
-        name: "hgg-effort",
-        title: "HGG takes what the student values for what it cannot reach",
-        baseline: METHODS,
-        file: "curricula/src/methods/hgg.rs",
-        original: "value.clamp(lowest, 0.0) / lowest * diameter",
-        faulty: "(1.0 - value.clamp(lowest, 0.0) / lowest) * diameter",
-        shows: true,
     },
     Fault {
         name: "actor-sign",

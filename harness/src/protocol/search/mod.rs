@@ -100,7 +100,7 @@ impl Reader<'_> {
             if let Some(other) = curricula.iter().find(|other| *other != id) {
                 return wrong(format!("`{told}` is a setting of `{id}`, which runs of `{other}` do not use"));
             }
-            curricula = vec![id.to_owned()];
+            curricula = self.registry.expand_curricula(&[id.to_owned()], &self.prefix(&keys))?;
         }
         let spread = match (values, low, high) {
             (Some(values), None, None) if !log => {

@@ -36,6 +36,10 @@ impl Protocol {
                 "seed {seed} is one of the search and of the experiment; settings must be chosen on seeds of their own"
             ));
         }
+        // A mistake in a range of none of these curricula is reported now, not on the day when it first matters.
+        for range in search.ranges.iter().filter(|range| !self.curricula.iter().any(|id| range.is_of(id))) {
+            range.curricula.iter().try_for_each(|id| draw::check(range, id, self, registry).map(drop))?;
+        }
         let (mut variants, mut searched) = (Vec::new(), Vec::new());
         for curriculum in &self.curricula {
             let ranges: Vec<&SettingRange> = search.of(curriculum).collect();
