@@ -100,6 +100,8 @@ fn kind(schema: &Json) -> String {
     };
     match &schema["type"] {
         Json::Array(names) => names.iter().map(word).collect::<Vec<_>>().join(" or "),
+        // One of several words.
+        Json::Null if !schema["oneOf"][0]["const"].is_null() => "string".to_owned(),
         Json::Null => "any".to_owned(),
         name => word(name),
     }
