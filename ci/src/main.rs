@@ -59,7 +59,8 @@ enum Task {
         /// Which faults [default: all].
         #[arg(long, value_name = "NAME", value_delimiter = ',')]
         only: Vec<String>,
-        /// Baseline file, relative to the project folder [default: the committed one that has what a fault touches].
+        /// Baseline file, relative to the project folder [default: the committed one that has what a fault
+        /// touches].
         #[arg(long, value_name = "FILE")]
         baseline: Option<PathBuf>,
         /// Arguments for `goalbench regress check`.

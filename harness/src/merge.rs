@@ -228,8 +228,8 @@ fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
 const KIND: FolderKind =
     FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols", layout::TUNING] };
 
-/// Copies into a temporary neighbour of `out`, checks what was copied, then renames it. `parts` are runs by the
-/// results folder below it that they go to.
+/// Copies into a temporary neighbour of `out`, checks what was copied, then renames it. `parts` are runs by
+/// the results folder below it that they go to.
 fn copy_all(
     parts: &[(&Path, Vec<Candidate>)],
     choice: Option<Vec<u8>>,

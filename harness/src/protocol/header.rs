@@ -43,8 +43,8 @@ pub(super) struct Header {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenSearch {
-    /// Draws of settings for each curriculum with ranges: 1 to 1,000. The default settings, which compete with
-    /// them, are not counted.
+    /// Draws of settings for each curriculum with ranges: 1 to 1,000. The default settings, which compete
+    /// with them, are not counted.
     pub(super) trials: u64,
     /// Seeds of their runs, none of which is one of the experiment.
     pub(super) seeds: Seeds,

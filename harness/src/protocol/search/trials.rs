@@ -26,8 +26,8 @@ impl Protocol {
     /// The trials of its search; `None` without one.
     ///
     /// # Errors
-    /// [`HarnessError`] if seeds overlap, a range is not one of its field, an option fixes what is searched, or
-    /// none of the curricula has a range.
+    /// [`HarnessError`] if seeds overlap, a range is not one of its field, an option fixes what is searched,
+    /// or none of the curricula has a range.
     pub fn trials(&self, registry: &Registry) -> Result<Option<Trials>, HarnessError> {
         let Some(search) = &self.search else { return Ok(None) };
         let wrong = |reason: String| Err(HarnessError::Protocol { place: search.place.clone(), reason });
@@ -36,7 +36,8 @@ impl Protocol {
                 "seed {seed} is one of the search and of the experiment; settings must be chosen on seeds of their own"
             ));
         }
-        // A mistake in a range of none of these curricula is reported now, not on the day when it first matters.
+        // A mistake in a range of none of these curricula is reported now, not on the day when it first
+        // matters.
         for range in search.ranges.iter().filter(|range| !self.curricula.iter().any(|id| range.is_of(id))) {
             range.curricula.iter().try_for_each(|id| draw::check(range, id, self, registry).map(drop))?;
         }

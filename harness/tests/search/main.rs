@@ -1,7 +1,11 @@
-//! A search over settings: what is refused, what it draws, its two phases, and what other commands make of it.
+//! A search over settings: what is refused, what it draws, its two phases, and what other commands make of
+//! it.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
+mod draws;
+mod refusals;
+#[path = "../support/mod.rs"]
 mod support;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,116 +63,6 @@ fn everything(path: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let choice = layout::choice_file(path);
     found.insert(Path::new(layout::TUNING).join(layout::CHOICE), fs::read(choice).expect("a choice"));
     found
-}
-
-#[test]
-fn what_cannot_be_searched_is_refused_with_its_place_and_what_is_accepted() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("out");
-    let range =
-        |text: &str| format!("{TOY}\n[search]\ntrials = 2\nseeds = [100]\n[[search.range]]\n{text}\n");
-    let window = "field = 'curriculum.teach.window'\nvalues = [3]";
-    let with = |head: &str| format!("{TOY}\n[search]\n{head}\n[[search.range]]\n{window}\n");
-    let cases: Vec<(String, &[&str])> = vec![
-        (
-            with("trials = 2\nseeds = [100, 1]"),
-            &["protocol.toml:11:", "seed 1 is one of the search and of the experiment"],
-        ),
-        (with("trials = 0\nseeds = [100]"), &["protocol.toml:12:", "search.trials", "must be 1 to 1000"]),
-        (with("trials = 2\nseeds = []"), &["search.seeds", "empty"]),
-        (with("trials = 2\nseeds = '9..3'"), &["search.seeds"]),
-        (with("seeds = [100]"), &["search", "`trials` is missing"]),
-        (with("trials = 2\nseeds = [100]\nmeasure = 'best'"), &["search.measure", "area, final"]),
-        (format!("{TOY}\n[search]\ntrials = 2\nseeds = [100]\n"), &["needs at least one"]),
-        (
-            range("field = 'student.critic_lr'\nlow = 2.0\nhigh = 1.0"),
-            &["protocol.toml:14:", "`low` must be below `high`"],
-        ),
-        (
-            range("field = 'student.critic_lr'\nlow = 0.0\nhigh = 1.0\nlog = true"),
-            &["must be above 0 for draws"],
-        ),
-        (range("field = 'student.critic_lr'\nlow = 0.1\nhigh = inf"), &["must be finite numbers"]),
-        (
-            range("field = 'student.critic_lr'\nlow = 0.1"),
-            &["no clear range", "accepted: `values`, or `low` and `high`"],
-        ),
-        (range("field = 'curriculum.teach.window'\nvalues = []"), &["is empty; name at least one"]),
-        (
-            range("field = 'curriculum.teach.windw'\nvalues = [3]"),
-            &["protocol.toml:14:", "did you mean `window`?"],
-        ),
-        (range("field = 'curriculum.teech.window'\nvalues = [3]"), &["did you mean `teach`?"]),
-        (range("field = 'student'\nvalues = [3]"), &["is no path of a setting"]),
-        (
-            range("field = 'budget.steps'\nvalues = [3]"),
-            &["all runs of an experiment have the same `budget`"],
-        ),
-        (
-            range("curricula = ['plr']\nfield = 'curriculum.teach.window'\nvalues = [3]"),
-            &["is a setting of `teach`, which runs of `plr` do not use"],
-        ),
-        (range("curricula = ['tech']\nfield = 'student.polyak'\nvalues = [0.5]"), &["did you mean `teach`?"]),
-        // Outside of what the field takes: one of the values, and an end.
-        (
-            range("field = 'curriculum.teach.window'\nvalues = [3, 1]"),
-            &["protocol.toml:14:", "curriculum.teach.window:"],
-        ),
-        (range("field = 'student.polyak'\nlow = 0.5\nhigh = 1.5"), &["protocol.toml:14:", "student.polyak:"]),
-        (range("field = 'curriculum.teach.window'\nlow = 2.5\nhigh = 7"), &["must be a whole number"]),
-        (
-            range("field = 'curriculum.teach.confidence'\nlow = 1\nhigh = 2"),
-            &["curriculum.teach.confidence", "must be one of"],
-        ),
-        (
-            range(&format!("{window}\n[[search.range]]\n{window}")),
-            &["protocol.toml:17:", "are ranges of one setting"],
-        ),
-        (
-            range(&format!("{window}\n[[variant]]\nlabel = 'x'")),
-            &["a protocol with a search has no variants of its own"],
-        ),
-        (
-            range("field = 'curriculum.vds.polyak'\nvalues = [7]"),
-            &["protocol.toml:14:", "curriculum.vds.polyak"],
-        ),
-        (
-            range("field = 'curriculum.vds.polyak'\nvalues = [0.5]"),
-            &["no range is one of teach, her-iid, plr"],
-        ),
-    ];
-    for (protocol, expected) in cases {
-        let path = write_protocol(folder.path(), &protocol);
-        refused(&["run", &path, "--out", text(&out)], expected);
-        assert!(!out.exists(), "nothing is written: {expected:?}");
-    }
-}
-
-#[test]
-fn options_that_do_not_fit_a_search_are_refused_and_ranges_without_runs_named() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("out");
-    let path = write_protocol(folder.path(), &format!("{TOY}{SEARCH}"));
-    refused(&["run", &path, "--out", text(&out), "--seeds", "99..101"], &["seed 100 is one of the search"]);
-    let fixed = ["run", &path, "--out", text(&out), "--set", "curriculum.teach.window=4"];
-    refused(&fixed, &["--set curriculum.teach.window=4", "is searched over"]);
-    let baseline = folder.path().join("b.json");
-    refused(&["regress", "record", &path, "--out", text(&baseline)], &["leave out [search]"]);
-    // Only what no run has is a warning.
-    let idle = format!("{TOY}{SEARCH}\n[[search.range]]\nfield = 'curriculum.vds.polyak'\nvalues = [0.5]\n");
-    let path = write_protocol(folder.path(), &idle);
-    let output = goalbench(&["run", &path, "--out", text(&out), "--print-config"]);
-    assert!(
-        output.status.success() && stderr(&output).contains("this range changes nothing"),
-        "{}",
-        stderr(&output)
-    );
-    let printed = stdout(&output);
-    for kind in ["Point/teach/default", "Point/teach/trial-02", "Point/plr/trial-01", "Point/her-iid/default"]
-    {
-        assert!(printed.contains(kind), "{kind}");
-    }
-    assert!(!printed.contains("her-iid/trial"), "without a range there is nothing to draw");
 }
 
 #[test]
@@ -335,85 +229,6 @@ fn killed_in_either_phase_and_between_them_it_goes_on_to_the_same_bytes() {
     let output = goalbench(&["run", &path, "--out", text(&lanes), "-q", "--lanes", "4"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(everything(&lanes), everything(&undisturbed));
-}
-
-#[test]
-fn a_curriculum_more_or_a_trial_more_changes_no_draw() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let configs = |text: &str| -> toml::Table {
-        let path = write_protocol(folder.path(), text);
-        let output = goalbench(&["run", &path, "--print-config"]);
-        assert!(output.status.success(), "{}", stderr(&output));
-        stdout(&output).parse().expect("TOML")
-    };
-    let small = configs(&format!("{TOY}{SEARCH}"));
-    let larger = format!("{TOY}{SEARCH}")
-        .replace("trials = 2", "trials = 5")
-        .replace("['teach', 'her-iid', 'plr']", "['vds', 'teach', 'plr', 'lp']");
-    let larger = larger.replace("curricula = ['teach', 'plr']", "");
-    let large = configs(&format!(
-        "{larger}[[search.range]]\nfield = 'curriculum.teach.interplay'\nlow = 1\nhigh = 9\n"
-    ));
-    for kind in ["Point/teach/trial-01", "Point/teach/trial-02", "Point/plr/trial-01", "Point/plr/trial-02"] {
-        let lr = |table: &toml::Table| table[kind]["student"]["critic_lr"].clone();
-        assert_eq!(lr(&small), lr(&large), "{kind}");
-    }
-    let window = |table: &toml::Table| table["Point/teach/trial-02"]["curriculum"]["teach"]["window"].clone();
-    assert_eq!(window(&small), window(&large));
-    assert!(large.contains_key("Point/lp/trial-05") && !small.contains_key("Point/teach/trial-03"));
-}
-
-/// Results can be compared and searches extended only as long as no draw changes.
-#[test]
-fn draws_stay_what_they_are_and_fill_their_ranges() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let ranges = "
-[[search.range]]
-field = 'curriculum.teach.window'
-values = [3, 5, 10, 20]
-[[search.range]]
-field = 'curriculum.teach.interplay'
-low = 1
-high = 9
-[[search.range]]
-field = 'student.critic_lr'
-low = 1e-4
-high = 1e-2
-log = true
-";
-    let drawn = |seed: u64, curriculum: &str, trials: usize| -> Vec<(i64, i64, f64)> {
-        let head = format!("[search]\ntrials = {trials}\nseed = {seed}\nseeds = [100]");
-        let path = write_protocol(folder.path(), &format!("{TOY}{head}{ranges}"));
-        let output = goalbench(&["run", &path, "--print-config", "--curriculum", curriculum]);
-        assert!(output.status.success(), "{}", stderr(&output));
-        let configs: toml::Table = stdout(&output).parse().expect("TOML");
-        let of = |number: usize| {
-            let config = &configs[&format!("Point/{curriculum}/trial-{number:02}")];
-            let own = &config["curriculum"][curriculum];
-            let count = |name: &str| own.get(name).and_then(toml::Value::as_integer).unwrap_or(0);
-            let rate = config["student"]["critic_lr"].as_float().expect("a number");
-            (count("window"), count("interplay"), rate)
-        };
-        (1..=trials).map(of).collect()
-    };
-    let many = drawn(0, "teach", 1_000);
-    assert_eq!(many[..4], [(3, 3, 0.000_151_8), (5, 1, 0.000_789), (5, 2, 0.000_179), (20, 1, 0.000_880_2)]);
-    assert_eq!(drawn(1, "teach", 1), [(10, 3, 0.000_218_3)]);
-    let rates: Vec<f64> = drawn(0, "vds", 2).iter().map(|one| one.2).collect();
-    assert_eq!(rates, [0.007_802, 0.000_131_2]);
-    // Of 1,000 draws each of four values has 250, with a standard deviation of 14; each of nine 111, with 10.
-    for value in [3, 5, 10, 20] {
-        let count = many.iter().filter(|one| one.0 == value).count();
-        assert!((195..305).contains(&count), "{value}: {count}");
-    }
-    for value in 1..=9 {
-        let count = many.iter().filter(|one| one.1 == value).count();
-        assert!((71..151).contains(&count), "{value}: {count}");
-    }
-    assert!(many.iter().all(|one| (1e-4..=1e-2).contains(&one.2)));
-    // Even in the logarithm: half of them below the geometric mean.
-    let below = many.iter().filter(|one| one.2 < 1e-3).count();
-    assert!((437..563).contains(&below), "{below}");
 }
 
 #[test]
