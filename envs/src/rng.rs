@@ -37,8 +37,8 @@ pub enum Purpose {
     Frontier(u64),
     /// The seed of everything that a shadow teacher draws; the number stands for its curriculum.
     Shadow(u64),
-    /// One setting of one trial of a search before training; its seed is independent of the seeds of runs, and
-    /// the number stands for the curriculum, the trial and the setting.
+    /// One setting of one trial of a search before training; its seed is independent of the seeds of runs,
+    /// and the number stands for the curriculum, the trial and the setting.
     Trial(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.

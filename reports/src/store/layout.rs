@@ -3,7 +3,7 @@
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE    for every FILE of the table FILES
 //! RESULTS/protocols/NAME.toml
-//! RESULTS/tuning/{runs/..., choice.json}    of a protocol with a search; `tuning` is a results folder by itself
+//! RESULTS/tuning/{runs/..., choice.json}    of a protocol with a search; a results folder by itself
 //! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt,
 //!                 tables/*.tex, figures/*.{svg, png}}
 //! ```

@@ -10,8 +10,8 @@ use crate::schema::{TrialScore, TunedCurriculum, Tuning};
 /// What belongs into the file.
 const EXPECTED: &str = "choice of a search";
 
-/// What the search of the results folder `results` chose, and what is wrong with the file; nothing where there
-/// was no search, or its trials have not ended yet.
+/// What the search of the results folder `results` chose, and what is wrong with the file; nothing where
+/// there was no search, or its trials have not ended yet.
 pub fn tuning(results: &Path) -> (Option<Tuning>, Vec<StoreProblem>) {
     let path = layout::choice_file(results);
     let malformed = |reason: String| Fault::Malformed { expected: EXPECTED, reason };

@@ -1,6 +1,6 @@
 //! A protocol with a search: first all trials, then the chosen settings beside the default ones. Each phase
-//! is a plan in a results folder of its own. Killed at any moment, the same command goes on: what has ended is
-//! kept, and the same trials lead to the same choice.
+//! is a plan in a results folder of its own. Killed at any moment, the same command goes on: what has ended
+//! is kept, and the same trials lead to the same choice.
 
 use std::path::Path;
 
