@@ -59,9 +59,10 @@ enum Task {
         /// Which faults [default: all].
         #[arg(long, value_name = "NAME", value_delimiter = ',')]
         only: Vec<String>,
-        /// Baseline file, relative to the project folder.
-        #[arg(long, value_name = "FILE", default_value = "harness/baselines/gate.json")]
-        baseline: PathBuf,
+        /// Baseline file, relative to the project folder [default: the committed one that has what a fault
+        /// touches].
+        #[arg(long, value_name = "FILE")]
+        baseline: Option<PathBuf>,
         /// Arguments for `goalbench regress check`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
@@ -99,7 +100,7 @@ fn run(task: Task) -> Result<cargo::Code> {
         }
         Task::Faults { only, baseline, arguments } => {
             setup::set_up(&native, Depth::Sizes)?;
-            faults::faults(project, &project.join(baseline), &only, &arguments)
+            faults::faults(project, baseline.as_deref(), &only, &arguments)
         }
         Task::Torture { options } => {
             setup::set_up(&native, Depth::Sizes)?;

@@ -37,6 +37,9 @@ pub enum Purpose {
     Frontier(u64),
     /// The seed of everything that a shadow teacher draws; the number stands for its curriculum.
     Shadow(u64),
+    /// One setting of one trial of a search before training; its seed is independent of the seeds of runs,
+    /// and the number stands for the curriculum, the trial and the setting.
+    Trial(u64),
     /// Start states and goals of the episodes that compare trained policies after training; its seed is
     /// independent of the seeds of runs.
     FinalEvaluation,
@@ -57,6 +60,7 @@ impl Purpose {
             Self::Rollout(index) => ("rollout", index),
             Self::Frontier(index) => ("frontier", index),
             Self::Shadow(index) => ("shadow", index),
+            Self::Trial(index) => ("trial", index),
             Self::FinalEvaluation => ("final-evaluation", 0),
         }
     }
@@ -120,6 +124,8 @@ mod tests {
             (Purpose::Frontier(7), 0xd850_1606_e3e0_dd57),
             (Purpose::Shadow(0), 0x26d6_efcb_9324_a42f),
             (Purpose::Shadow(7), 0xe91e_9df1_a334_1e82),
+            (Purpose::Trial(0), 0xbee7_6f2c_0ed9_1944),
+            (Purpose::Trial(7), 0xdf38_e58a_52c9_2fa9),
             (Purpose::FinalEvaluation, 0x9433_8273_70ad_d441_u64),
         ];
         for (purpose, expected) in keys {

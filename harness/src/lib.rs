@@ -31,6 +31,7 @@ pub mod status;
 pub mod suggest;
 pub mod sweep;
 pub mod tracking;
+mod tuning;
 
 pub use error::HarnessError;
 pub use program::Program;

@@ -1,6 +1,7 @@
 //! Bringing results of several machines together.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use reports::schema::{Outcome, RunKey};
@@ -62,6 +63,22 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     refuse_existing(out)?;
     outputs::outside("--out", out, sources)?;
     check_sources(sources)?;
+    let (chosen, mut merged) = gather(sources)?;
+    // Trials of a search lie in results folders of their own, and so do they afterwards.
+    let tuning: Vec<PathBuf> =
+        sources.iter().map(|source| layout::tuning_dir(source)).filter(|folder| folder.is_dir()).collect();
+    let (trials, also) = if tuning.is_empty() { Default::default() } else { gather(&tuning)? };
+    merged.runs += also.runs;
+    merged.shared += also.shared;
+    merged.damaged.extend(also.damaged);
+    merged.strays.extend(also.strays);
+    let choice = choice(sources)?;
+    copy_all(&[(Path::new(""), chosen), (Path::new(layout::TUNING), trials)], choice, sources, out)?;
+    Ok(merged)
+}
+
+/// The copy of every run that the `sources` hold which goes into the new folder, and what was found.
+fn gather(sources: &[PathBuf]) -> Result<(Vec<Candidate>, Merged), HarnessError> {
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
@@ -90,8 +107,31 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     merged.damaged = found.values().flat_map(|copies| copies.damaged.clone()).collect();
     let chosen = choose(found)?;
     merged.runs = chosen.len();
-    copy_all(&chosen, sources, out)?;
-    Ok(merged)
+    Ok((chosen, merged))
+}
+
+/// What the searches of the `sources` chose, which must be the same.
+///
+/// # Errors
+/// [`HarnessError::Conflict`] naming two that differ.
+fn choice(sources: &[PathBuf]) -> Result<Option<Vec<u8>>, HarnessError> {
+    let mut found: Option<(PathBuf, Vec<u8>)> = None;
+    for path in sources.iter().map(|source| layout::choice_file(source)) {
+        let bytes = match guard::files::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if guard::files::is_absent(&error) => continue,
+            Err(error) => return Err(HarnessError::io(path, "read this file")(error)),
+        };
+        match &found {
+            Some((_, known)) if *known == bytes => {}
+            Some((other, _)) => {
+                let runs = format!("{} and {} chose differently", other.display(), path.display());
+                return Err(HarnessError::Conflict { runs });
+            }
+            None => found = Some((path, bytes)),
+        }
+    }
+    Ok(found.map(|(_, bytes)| bytes))
 }
 
 /// Refuses a folder that is given twice, under one name or two: none of its runs was found more than once.
@@ -185,16 +225,29 @@ fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
     (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
 }
 
-const KIND: FolderKind = FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols"] };
+const KIND: FolderKind =
+    FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols", layout::TUNING] };
 
-/// Copies into a temporary neighbour of `out`, checks what was copied, then renames it.
-fn copy_all(runs: &[Candidate], sources: &[PathBuf], out: &Path) -> Result<(), HarnessError> {
+/// Copies into a temporary neighbour of `out`, checks what was copied, then renames it. `parts` are runs by
+/// the results folder below it that they go to.
+fn copy_all(
+    parts: &[(&Path, Vec<Candidate>)],
+    choice: Option<Vec<u8>>,
+    sources: &[PathBuf],
+    out: &Path,
+) -> Result<(), HarnessError> {
     let fresh = FreshFolder::beside(out, &KIND)?;
-    for one in runs {
-        let to = layout::run_dir(fresh.path(), &one.sound.manifest.run);
+    for (part, one) in parts.iter().flat_map(|(part, runs)| runs.iter().map(move |one| (part, one))) {
+        let to = layout::run_dir(&fresh.path().join(part), &one.sound.manifest.run);
         one.folder.copy_to(&to)?;
         // Somebody may have gone on with the run, or changed it, since it was checked.
         folder::check(&to).map_err(HarnessError::unusable(one.folder.path().display(), "copy this run"))?;
+    }
+    if let Some(bytes) = choice {
+        let path = layout::choice_file(fresh.path());
+        let folder = outputs::folder_of(&path);
+        fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+        guard::fresh::write(&path, &bytes).map_err(HarnessError::io(&path, "write this file"))?;
     }
     for source in sources {
         copy::bring(source, fresh.path())?;

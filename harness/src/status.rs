@@ -5,7 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use reports::schema::{Manifest, Outcome, Record, RunKey};
 use reports::store::problem::StoreProblem;
-use reports::store::{Results, RunFolder, Survey, checksums};
+use reports::store::{Results, RunFolder, StoreError, Survey, checksums, layout};
 use serde::Serialize;
 
 use crate::config::RunConfig;
@@ -81,6 +81,19 @@ pub struct Overview {
     pub runs: Vec<RunStatus>,
     /// What else lies where runs belong, such as a copied folder `seed-0 (copy)`.
     pub strays: Vec<StoreProblem>,
+    /// The trials of a search, which lie in a results folder of their own.
+    pub trials: Option<TrialsOverview>,
+}
+
+/// How far a search is.
+#[derive(Clone, Debug)]
+pub struct TrialsOverview {
+    /// The state of its runs.
+    pub runs: Vec<RunStatus>,
+    /// What else lies where they belong.
+    pub strays: Vec<StoreProblem>,
+    /// Whether settings have been chosen by them.
+    pub has_chosen: bool,
 }
 
 /// The state of every run in `results`. All of them are checked as they are before they go on, but for those
@@ -89,6 +102,22 @@ pub struct Overview {
 /// # Errors
 /// [`HarnessError`] if it is no results folder. A damaged run is no error: that is its state.
 pub fn status(results: &Path) -> Result<Overview, HarnessError> {
+    let folder = layout::tuning_dir(results);
+    let trials = if layout::runs_dir(&folder).is_dir() {
+        let (runs, strays) = of_folder(&folder)?;
+        Some(TrialsOverview { runs, strays, has_chosen: layout::choice_file(results).is_file() })
+    } else {
+        None
+    };
+    let (runs, strays) = match of_folder(results) {
+        Err(HarnessError::Store(StoreError::OnlyTrials { .. })) => Default::default(),
+        found => found?,
+    };
+    Ok(Overview { runs, strays, trials })
+}
+
+/// The state of every run in one results folder, and what else lies there.
+fn of_folder(results: &Path) -> Result<(Vec<RunStatus>, Vec<StoreProblem>), HarnessError> {
     let state = |(key, folder): (RunKey, &RunFolder)| {
         run_status(folder).unwrap_or_else(|error| RunStatus {
             reason: Some(chain(&error)),
@@ -99,7 +128,7 @@ pub fn status(results: &Path) -> Result<Overview, HarnessError> {
     runs.extend(lost);
     runs.sort();
     let folders: Vec<_> = runs.iter().filter_map(|folder| Some((folder.key()?, folder))).collect();
-    Ok(Overview { runs: folders.into_par_iter().map(state).collect(), strays })
+    Ok((folders.into_par_iter().map(state).collect(), strays))
 }
 
 /// The run in `folder`, checked unless a worker is on it.

@@ -5,6 +5,7 @@ mod scratch;
 mod table;
 
 use std::{
+    collections::BTreeSet,
     env,
     ffi::OsString,
     fs,
@@ -20,6 +21,9 @@ use crate::{
 use scratch::Scratch;
 use table::{FAULTS, Fault};
 
+/// The folder of the committed baselines.
+const BASELINES: &str = "harness/baselines";
+
 /// Exit code of a check that found something worse than before.
 const FELL: i32 = 1;
 
@@ -30,11 +34,20 @@ enum Outcome {
     Caught,
 }
 
-/// Checks the program against the file `baseline`, first without any fault and then with each fault of
-/// `names` (all, if none are given); `extra` are further options for `goalbench regress check`. The code is 0
-/// if the sound program passes and every fault that shows at the baseline's budget is caught, else 1.
-pub(crate) fn faults(project: &Path, baseline: &Path, names: &[String], extra: &[OsString]) -> Result<Code> {
+/// Checks the program against the file `baseline` (each fault's own, if none is given), first without any
+/// fault and then with each fault of `names` (all, if none are given); `extra` are further options for
+/// `goalbench regress check`. The code is 0 if the sound program passes and every fault that shows at the
+/// baseline's budget is caught, else 1.
+pub(crate) fn faults(
+    project: &Path,
+    baseline: Option<&Path>,
+    names: &[String],
+    extra: &[OsString],
+) -> Result<Code> {
     let chosen = choose(names)?;
+    let own = |fault: &Fault| project.join(BASELINES).join(fault.baseline);
+    let of = |fault: &Fault| baseline.map_or_else(|| own(fault), |baseline| project.join(baseline));
+    let baselines: BTreeSet<PathBuf> = chosen.iter().map(|fault| of(fault)).collect();
     let built = env::var_os("CARGO_TARGET_DIR").map_or_else(|| project.join("target"), PathBuf::from);
     // On the same file system as the build folder, so that files can be linked.
     let home = tempfile::Builder::new()
@@ -44,18 +57,22 @@ pub(crate) fn faults(project: &Path, baseline: &Path, names: &[String], extra: &
     step("faults", &format!("copying the project to {}", home.path().display()));
     let scratch = Scratch::make(project, &built, home.path())?;
     let reports = built.join("faults");
-    let check = |name: &str| -> Result<Outcome> {
+    let check = |name: &str, baseline: &Path| -> Result<Outcome> {
         build(project, &scratch)?;
         check(&scratch, project, baseline, &reports.join(name), extra)
     };
 
     step("faults", "the sound program, which must pass");
-    let mut lines = vec![("none", "the program as it is", check("none")?)];
-    let mut code = Code::from(lines[0].2 == Outcome::Caught);
+    let (mut lines, mut code) = (Vec::new(), Code::from(false));
+    for baseline in &baselines {
+        let outcome = check("none", baseline)?;
+        code |= Code::from(outcome == Outcome::Caught);
+        lines.push(("none", "the program as it is", outcome));
+    }
     for fault in chosen {
         step("faults", &format!("{}: {}", fault.name, fault.title));
         let original = scratch.replace(fault.file, fault.original, fault.faulty)?;
-        let outcome = check(fault.name)?;
+        let outcome = check(fault.name, &of(fault))?;
         scratch.write(fault.file, &original)?;
         code |= Code::from(fault.shows && outcome == Outcome::Passed);
         lines.push((fault.name, fault.title, outcome));

@@ -8,8 +8,10 @@ use std::{
 
 use crate::error::{Error, Result, doing};
 
-/// The folders below `target/release` in which a build of third-party crates lies.
-const BUILT: [&str; 3] = [".fingerprint", "build", "deps"];
+/// The folders below `target/release` in which a build of third-party crates lies, and whether it is large.
+/// Cargo writes into the files of the small ones, also into those of this workspace's crates, which it calls
+/// the same in every folder; those are copied.
+const BUILT: [(&str, bool); 3] = [(".fingerprint", false), ("build", false), ("deps", true)];
 
 /// The copy. The project itself is never touched.
 #[derive(Debug)]
@@ -22,7 +24,7 @@ pub(crate) struct Scratch {
 
 impl Scratch {
     /// Copies the files of `project` that git tracks, as they are now, into `folder`. Third-party crates are
-    /// linked from the project's build folder `built` into the copy's, so that only the workspace's own
+    /// brought from the project's build folder `built` into the copy's, so that only the workspace's own
     /// crates are built again.
     pub(crate) fn make(project: &Path, built: &Path, folder: &Path) -> Result<Self> {
         let scratch = Self { tree: folder.join("tree"), target: folder.join("build") };
@@ -36,10 +38,10 @@ impl Scratch {
                 fs::copy(&from, &to).map_err(doing("copy", &from))?;
             }
         }
-        for name in BUILT {
+        for (name, is_large) in BUILT {
             let from = built.join("release").join(name);
             if from.exists() {
-                link_all(&from, &scratch.target.join("release").join(name))?;
+                bring_all(&from, &scratch.target.join("release").join(name), is_large)?;
             }
         }
         Ok(scratch)
@@ -79,17 +81,24 @@ fn tracked(project: &Path) -> Result<Vec<PathBuf>> {
     Ok(names.map(|name| PathBuf::from(String::from_utf8_lossy(name).into_owned())).collect())
 }
 
-/// Links every file below `from` to the same place below `to`. Compilers replace files rather than write into
-/// them, so neither side sees what the other builds.
-fn link_all(from: &Path, to: &Path) -> Result<()> {
+/// Brings every file below `from` to the same place below `to`: as a link, where links are `allowed` and
+/// compilers replace files rather than write into them, so that neither side sees what the other builds; else
+/// as a copy with the same time of change.
+fn bring_all(from: &Path, to: &Path, allowed: bool) -> Result<()> {
     fs::create_dir_all(to).map_err(doing("create", to))?;
     for entry in fs::read_dir(from).map_err(doing("read", from))? {
         let entry = entry.map_err(doing("read", from))?;
         let (path, copy) = (entry.path(), to.join(entry.file_name()));
         if entry.file_type().map_err(doing("look at", &path))?.is_dir() {
-            link_all(&path, &copy)?;
-        } else {
+            bring_all(&path, &copy, allowed)?;
+        } else if allowed && path.extension().is_none_or(|extension| extension != "d") {
             fs::hard_link(&path, &copy).map_err(doing("link", &path))?;
+        } else {
+            fs::copy(&path, &copy).map_err(doing("copy", &path))?;
+            let changed = fs::metadata(&path).and_then(|metadata| metadata.modified());
+            let changed = changed.map_err(doing("look at", &path))?;
+            let file = fs::File::options().append(true).open(&copy);
+            file.and_then(|file| file.set_modified(changed)).map_err(doing("write", &copy))?;
         }
     }
     Ok(())
@@ -101,7 +110,7 @@ mod tests {
 
     use tempfile::tempdir;
 
-    use super::{Scratch, link_all};
+    use super::{Scratch, bring_all};
 
     #[test]
     fn a_text_is_replaced_where_it_stands_once() {
@@ -115,15 +124,25 @@ mod tests {
     }
 
     #[test]
-    fn linked_files_are_the_same_and_stay_when_one_side_is_replaced() {
+    fn large_files_are_linked_and_what_cargo_writes_into_is_copied() {
         let home = tempdir().unwrap();
         let (from, to) = (home.path().join("from"), home.path().join("to"));
         fs::create_dir_all(from.join("deep")).unwrap();
-        fs::write(from.join("deep/file"), "old").unwrap();
-        link_all(&from, &to).unwrap();
+        for name in ["deep/file", "deep/output", "deep/list.d"] {
+            fs::write(from.join(name), "old").unwrap();
+        }
+        bring_all(&from, &to, true).unwrap();
+        // Compilers replace their output, cargo writes into lists of dependencies.
         fs::write(to.join("new"), "new").unwrap();
         fs::rename(to.join("new"), to.join("deep/file")).unwrap();
-        assert_eq!(fs::read_to_string(from.join("deep/file")).unwrap(), "old");
-        assert_eq!(fs::read_to_string(to.join("deep/file")).unwrap(), "new");
+        fs::write(to.join("deep/list.d"), "new").unwrap();
+        let copies = home.path().join("copies");
+        bring_all(&from, &copies, false).unwrap();
+        let changed = |path: &std::path::Path| fs::metadata(path).unwrap().modified().unwrap();
+        assert_eq!(changed(&copies.join("deep/output")), changed(&from.join("deep/output")));
+        fs::write(copies.join("deep/output"), "new").unwrap();
+        for name in ["deep/file", "deep/output", "deep/list.d"] {
+            assert_eq!(fs::read_to_string(from.join(name)).unwrap(), "old", "{name}");
+        }
     }
 }

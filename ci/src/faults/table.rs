@@ -7,6 +7,8 @@ pub(crate) struct Fault {
     pub(crate) name: &'static str,
     /// What is wrong with the faulty program.
     pub(crate) title: &'static str,
+    /// The committed baseline that has what it touches.
+    pub(crate) baseline: &'static str,
     /// The file, from the project folder.
     pub(crate) file: &'static str,
     /// The text that it replaces, which occurs there exactly once.
@@ -18,11 +20,17 @@ pub(crate) struct Fault {
     pub(crate) shows: bool,
 }
 
+/// The student and the paper's own curricula.
+const GATE: &str = "gate.json";
+/// The further curricula.
+const METHODS: &str = "gate-methods.json";
+
 /// All faults.
 pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "her-off",
         title: "HER never relabels",
+        baseline: GATE,
         file: "agents/src/draw.rs",
         original: "    k / (k + 1.0)\n",
         faulty: "    0.0 * k\n",
@@ -31,6 +39,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "reward-sign",
         title: "the reward of relabelled transitions has the wrong sign",
+        baseline: GATE,
         file: "agents/src/replay/mod.rs",
         original: "batch.rewards[row] = reward.reward(achieved, wanted) as f32;",
         faulty: "let reward = reward.reward(achieved, wanted) as f32;\n            \
@@ -40,6 +49,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "target-frozen",
         title: "target networks are never updated",
+        baseline: GATE,
         file: "agents/src/ddpg/update.rs",
         original: "        self.both().into_iter().try_for_each(|networks| networks.follow(polyak))\n",
         faulty: "        self.both().into_iter().try_for_each(|_| { let _ = polyak; Ok(()) })\n",
@@ -48,6 +58,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "clip-removed",
         title: "the Bellman target is not clipped",
+        baseline: GATE,
         file: "agents/src/losses.rs",
         original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
         faulty: "    let _ = lowest;\n    reward + gamma * next_value\n",
@@ -56,6 +67,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "clip-wrong-end",
         title: "the Bellman target is clipped to [0, 1/(1 - gamma)]",
+        baseline: GATE,
         file: "agents/src/losses.rs",
         original: "    (reward + gamma * next_value).clamp(lowest, 0.0)\n",
         faulty: "    (reward + gamma * next_value).clamp(0.0, -lowest)\n",
@@ -64,6 +76,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "normaliser-frozen",
         title: "input normalisers never take up what they are fed",
+        baseline: GATE,
         file: "agents/src/normalizer.rs",
         original: "        self.moments.count += (rows.len() / width) as u64;\n        self.refresh();\n",
         faulty: "        self.moments.count += (rows.len() / width) as u64;\n",
@@ -72,6 +85,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "noise-zero",
         title: "no exploration noise",
+        baseline: GATE,
         file: "agents/src/ddpg/mod.rs",
         original: "            Mode::Explore(rng) => self.noise.apply(action, self.replay.stored(), rng),\n",
         faulty: "            Mode::Explore(_) => {}\n",
@@ -80,6 +94,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "no-pseudo-observation",
         title: "input normalisers start with nothing",
+        baseline: GATE,
         file: "agents/src/normalizer.rs",
         original: "Moments::of_zeros(config.pseudo_observations, width)",
         faulty: "Moments::of_zeros(0, width)",
@@ -88,6 +103,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "space-turns",
         title: "SPaCE counts turns over all episodes, modulo a set that grows",
+        baseline: GATE,
         file: "curricula/src/methods/space.rs",
         original: "        let place = next_turn(state.turn, state.set.len());\n        state.turn = Some(place);\n",
         faulty: "        let count = state.turn.map_or(0, |turn| turn + 1);\n        state.turn = Some(count);\n        \
@@ -97,6 +113,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "teach-redrawn",
         title: "the states that confidence is compared over are drawn anew every time",
+        baseline: GATE,
         file: "curricula/src/probe.rs",
         original: "                Some(held) => held.clone(),\n",
         faulty: "                Some(_) => lesson.student.replay_states(config.replay_states, lesson.rng),\n",
@@ -105,6 +122,7 @@ pub(crate) static FAULTS: &[Fault] = &[
     Fault {
         name: "teach-inverted",
         title: "TEACH weighs goals by how little they change",
+        baseline: GATE,
         file: "curricula/src/methods/teach.rs",
         original: "            Self::Variance => window.variance(),\n",
         faulty: "            Self::Variance => {\n                \
@@ -114,8 +132,63 @@ pub(crate) static FAULTS: &[Fault] = &[
         shows: true,
     },
     Fault {
+        name: "sfl-easy",
+        title: "SFL keeps the goals that are reached most often",
+        baseline: METHODS,
+        file: "curricula/src/methods/sfl.rs",
+        original: "    p * (1.0 - p)\n",
+        faulty: "    p * p\n",
+        shows: false,
+    },
+    Fault {
+        name: "plr-rank",
+        title: "PLR ranks goals from the smallest error up",
+        baseline: METHODS,
+        file: "curricula/src/methods/plr.rs",
+        original: "order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));",
+        faulty: "order.sort_by(|&a, &b| scores[a].total_cmp(&scores[b]));",
+        shows: false,
+    },
+    Fault {
+        name: "goid-mastered",
+        title: "GOID takes mastered goals for goals of intermediate difficulty",
+        baseline: METHODS,
+        file: "curricula/src/methods/goid.rs",
+        original: "is_some_and(|rate| is_intermediate(rate, lowest, highest))",
+        faulty: "is_some_and(|rate| is_intermediate(rate, lowest, highest.max(1.0)))",
+        shows: false,
+    },
+    Fault {
+        name: "lp-stagnant",
+        title: "LP prefers regions of little progress",
+        baseline: METHODS,
+        file: "curricula/src/methods/lp.rs",
+        original: "(1.0 - epsilon) * lp / total)",
+        faulty: "(1.0 - epsilon) * (1.0 - lp / total) / (n - 1.0))",
+        shows: true,
+    },
+    Fault {
+        name: "mega-dense",
+        title: "MEGA chooses the densest of the goals that pass",
+        baseline: METHODS,
+        file: "curricula/src/methods/mega.rs",
+        original: "let least = densities.min_by(",
+        faulty: "let least = densities.max_by(",
+        shows: true,
+    },
+    Fault {
+        name: "omega-keeps",
+        title: "OMEGA keeps the environment's goal however far achieved goals are from it",
+        baseline: METHODS,
+        file: "curricula/src/methods/omega.rs",
+        original: "    1.0 / (b + divergence).max(1.0)\n",
+        faulty: "    1.0 / (b - divergence).max(1.0)\n",
+        shows: false,
+    },
+    Fault {
         name: "actor-sign",
         title: "the actor descends the critic's value",
+        baseline: GATE,
         file: "agents/src/losses.rs",
         original: "slope.fill(-1.0 / n as f32));\n",
         faulty: "slope.fill(1.0 / n as f32));\n",
@@ -137,6 +210,12 @@ mod tests {
             assert_eq!(text.matches(fault.original).count(), 1, "{} in {}", fault.name, fault.file);
             assert_ne!(fault.original, fault.faulty);
         }
+    }
+
+    #[test]
+    fn every_fault_has_a_committed_baseline() {
+        let baselines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../harness/baselines");
+        assert!(FAULTS.iter().all(|fault| baselines.join(fault.baseline).is_file()));
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub(super) fn member(name: &str) -> Option<Member> {
         ["protocols", name] if Path::new(name).extension().is_some_and(|end| end == "toml") => {
             Some(Member::Results)
         }
+        [layout::TUNING, layout::CHOICE] => Some(Member::Results),
         ["runs", run @ .., file] if run.len() == layout::DEPTH && is_run(run) => {
             layout::FILES.iter().any(|row| row.packed && row.name == *file).then_some(Member::Results)
         }
@@ -53,7 +54,9 @@ mod tests {
 
     #[test]
     fn only_files_of_results_belong_into_archives() {
-        for name in ["runs/MazeA/teach/default/seed-0/records.jsonl", "protocols/a b.toml"] {
+        for name in
+            ["runs/MazeA/teach/default/seed-0/records.jsonl", "protocols/a b.toml", "tuning/choice.json"]
+        {
             assert_eq!(member(name), Some(Member::Results), "{name}");
         }
         for name in ["DATA.md", "runs.parquet", "policies/MazeA/teach/x=1/seed-3/policy.json"] {
@@ -76,6 +79,8 @@ mod tests {
             "policies/MazeA/teach/default/seed-0/records.jsonl",
             "records.csv",
             "protocols/a.sh",
+            "tuning/runs/MazeA/teach/default/seed-0/records.jsonl",
+            "choice.json",
         ] {
             assert_eq!(member(name), None, "{name:?}");
         }

@@ -102,6 +102,10 @@ pub fn pack(
         contents.extend(files_of(results, run.key(), &packing.without)?);
     }
     contents.extend(protocol_files(results));
+    let choice = layout::choice_file(results);
+    if choice.is_file() {
+        contents.insert(format!("{}/{}", layout::TUNING, layout::CHOICE), Content::File(choice));
+    }
     for run in &chosen {
         let policy = Policy::read(registry, &layout::run_dir(results, run))?;
         for (name, bytes) in ExportedPolicy::of(registry, &policy)?.files() {

@@ -1,6 +1,7 @@
 //! `goalbench status`.
 
 use guard::text::in_line;
+use reports::store::layout;
 use reports::store::problem::StoreProblem;
 use reports::wording::counted;
 use serde_json::json;
@@ -33,22 +34,42 @@ const ACTIVITIES: [(Activity, &str); 7] = [
 ];
 
 pub(super) fn show(args: &Args) -> Exit {
-    let Overview { runs, strays } = status(&args.results)?;
-    let named: Vec<String> = strays.iter().map(StoreProblem::to_string).collect();
+    let Overview { runs, strays, trials } = status(&args.results)?;
+    let named = |strays: &[StoreProblem]| strays.iter().map(StoreProblem::to_string).collect::<Vec<_>>();
     if args.json {
-        let counts: serde_json::Map<_, _> = ACTIVITIES
-            .iter()
-            .map(|(activity, name)| ((*name).to_owned(), count(&runs, *activity).into()))
-            .collect();
-        print(&format!("{:#}\n", json!({ "counts": counts, "runs": runs, "strays": named })));
+        let mut all = as_json(&runs, &named(&strays));
+        if let Some(trials) = &trials {
+            all["trials"] = as_json(&trials.runs, &named(&trials.strays));
+            all["trials"]["chosen"] = trials.has_chosen.into();
+        }
+        print(&format!("{all:#}\n"));
+    } else if let Some(trials) = &trials {
+        let chosen = if trials.has_chosen { "settings are chosen" } else { "nothing is chosen yet" };
+        print(&format!("phase 1 of 2: trials; {chosen}\n{}", as_text(&trials.runs)));
+        print(&format!("\nphase 2 of 2: chosen and default settings\n{}", as_text(&runs)));
     } else {
         print(&as_text(&runs));
     }
-    for stray in &named {
-        complain(&format!("goalbench: {stray}"));
+    let of_trials = trials.as_ref().map_or(&[][..], |trials| &trials.strays);
+    let lines = named(&strays)
+        .into_iter()
+        .chain(named(of_trials).into_iter().map(|line| format!("{}/{line}", layout::TUNING)));
+    let mut is_sound = true;
+    for line in lines {
+        complain(&format!("goalbench: {line}"));
+        is_sound = false;
     }
-    let is_sound = named.is_empty() && count(&runs, Activity::Damaged) == 0;
+    let of_trials = trials.as_ref().map_or(&[][..], |trials| &trials.runs);
+    is_sound &= count(&runs, Activity::Damaged) + count(of_trials, Activity::Damaged) == 0;
     Ok(if is_sound || !args.strict { ExitCode::Success } else { ExitCode::Failed })
+}
+
+fn as_json(runs: &[RunStatus], strays: &[String]) -> serde_json::Value {
+    let counts: serde_json::Map<_, _> = ACTIVITIES
+        .iter()
+        .map(|(activity, name)| ((*name).to_owned(), count(runs, *activity).into()))
+        .collect();
+    json!({ "counts": counts, "runs": runs, "strays": strays })
 }
 
 fn count(runs: &[RunStatus], activity: Activity) -> usize {
@@ -56,6 +77,9 @@ fn count(runs: &[RunStatus], activity: Activity) -> usize {
 }
 
 fn as_text(runs: &[RunStatus]) -> String {
+    if runs.is_empty() {
+        return "no runs yet\n".to_owned();
+    }
     let mut text = format!(
         "{:<52} {:<9} {:>17} {:>8} {:>8} {:>8}\n",
         "run", "state", "step", "success", "steps/s", "left"

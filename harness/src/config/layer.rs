@@ -173,7 +173,7 @@ impl ConfigLayer {
     }
 
     /// Whether the layer sets the field at `path`, or something above or below it.
-    pub(super) fn touches(&self, path: &[&str]) -> bool {
+    pub(crate) fn touches(&self, path: &[&str]) -> bool {
         let Some((first, rest)) = path.split_first() else { return true };
         let mut value = self.table.get(*first);
         for segment in rest {

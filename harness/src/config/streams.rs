@@ -81,8 +81,9 @@ impl StreamSeeds {
             Purpose::Teacher | Purpose::Rollout(_) | Purpose::Shadow(_) => self.teacher,
             Purpose::Pool => self.pool,
             Purpose::Evaluation(_) | Purpose::Frontier(_) => self.evaluation,
-            // Comes after training, with a seed of its own: that of `goalbench evaluate`.
-            Purpose::FinalEvaluation => Auto::Auto,
+            // Come before and after training, with seeds of their own: those of a protocol's search and of
+            // `goalbench evaluate`.
+            Purpose::Trial(_) | Purpose::FinalEvaluation => Auto::Auto,
         };
         given.value_or(|| run)
     }

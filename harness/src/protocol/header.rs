@@ -1,5 +1,6 @@
 //! A protocol document as it is written, apart from config: its keys, their types, and the schema of both.
 
+use reports::schema::TuningMeasure;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
@@ -32,6 +33,56 @@ pub(super) struct Header {
     /// Labelled alternatives, run beside each other.
     #[serde(default, rename = "variant")]
     pub(super) variants: Vec<WrittenVariant>,
+    /// The same random search over settings for every curriculum, on seeds of its own; the chosen and the
+    /// default settings are then run beside each other on `seeds`.
+    #[serde(default)]
+    #[schemars(with = "WrittenSearch")]
+    pub(super) search: Option<WrittenSearch>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WrittenSearch {
+    /// Draws of settings for each curriculum with ranges: 1 to 1,000. The default settings, which compete
+    /// with them, are not counted.
+    pub(super) trials: u64,
+    /// Seeds of their runs, none of which is one of the experiment.
+    pub(super) seeds: Seeds,
+    /// What settings are chosen by: the mean over environments and seeds of the `area` under the curve of
+    /// success rates, or of the `final` success.
+    #[serde(default)]
+    pub(super) measure: TuningMeasure,
+    /// The seed of the draws.
+    #[serde(default)]
+    pub(super) seed: u64,
+    /// What settings are drawn from.
+    #[serde(default, rename = "range")]
+    pub(super) ranges: Vec<WrittenRange>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WrittenRange {
+    /// Only these curricula; all if left out, or the one whose setting it is.
+    #[serde(default)]
+    pub(super) curricula: Vec<String>,
+    /// The setting, by its path: curriculum.teach.window, student.polyak, pool.size.
+    pub(super) field: String,
+    /// The values to draw from, all alike.
+    #[serde(default)]
+    #[schemars(schema_with = "any_list")]
+    pub(super) values: Option<Vec<Value>>,
+    /// The lowest number.
+    #[serde(default)]
+    #[schemars(with = "f64")]
+    pub(super) low: Option<f64>,
+    /// The highest number.
+    #[serde(default)]
+    #[schemars(with = "f64")]
+    pub(super) high: Option<f64>,
+    /// Whether draws between them are even in the logarithm.
+    #[serde(default)]
+    pub(super) log: bool,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -73,6 +124,10 @@ pub(super) struct WrittenVariant {
     pub(super) set: Table,
 }
 
+fn any_list(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "array", "items": {} })
+}
+
 fn any_table(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "object" })
 }
@@ -94,16 +149,25 @@ impl Header {
     }
 }
 
+/// Where the tables of a document that have required keys stand in its schema.
+const TABLES: [&str; 5] = [
+    "",
+    "/properties/override/items",
+    "/properties/variant/items",
+    "/properties/search",
+    "/properties/search/properties/range/items",
+];
+
 /// The schema of the keys that are not config.
 fn keys() -> Json {
     let mut schema = curricula::schema_of::<Header>().to_value();
-    let required = schema["required"].clone();
-    let items = ["override", "variant"].map(|list| schema["properties"][list]["items"]["required"].clone());
+    let required = TABLES.map(|table| schema.pointer(table).map(|table| table["required"].clone()));
     tidy(&mut schema);
     // Unlike fields of the config, these have no defaults.
-    schema["required"] = required;
-    for (list, required) in ["override", "variant"].into_iter().zip(items) {
-        schema["properties"][list]["items"]["required"] = required;
+    for (table, required) in TABLES.into_iter().zip(required) {
+        if let (Some(table), Some(required)) = (schema.pointer_mut(table), required) {
+            table["required"] = required;
+        }
     }
     schema
 }
@@ -121,6 +185,8 @@ pub fn schema(registry: &Registry) -> Json {
         fields["curricula"]["items"]["enum"] = json!(curricula);
     };
     name(&mut schema["properties"]);
+    let range = &mut schema["properties"]["search"]["properties"]["range"]["items"]["properties"];
+    range["curricula"]["items"]["enum"] = json!(curricula);
     for list in ["override", "variant"] {
         let fields = &mut schema["properties"][list]["items"]["properties"];
         name(fields);

@@ -22,6 +22,7 @@ pub(super) fn of_document(protocol: &Protocol) -> Vec<String> {
         let place = protocol.base.origin.place(&["curriculum", id]);
         notes.push(format!("{place}: curriculum.{id} changes nothing: no run has this curriculum"));
     }
+    notes.extend(protocol.search.iter().flat_map(|search| search.idle(protocol)));
     notes
 }
 

@@ -8,6 +8,7 @@ mod idle;
 mod name;
 pub mod plan;
 pub mod presets;
+pub mod search;
 
 use guard::text::short;
 use toml::Table;
@@ -18,6 +19,7 @@ use crate::config::strict::FieldError;
 use crate::config::{SECTIONS, seeds};
 use crate::error::HarnessError;
 use header::{Header, Seeds, WrittenPatch, WrittenVariant};
+use search::Search;
 
 pub use header::schema;
 
@@ -45,6 +47,8 @@ pub struct Protocol {
     pub overrides: Vec<Patch>,
     /// Labelled alternatives; empty means one, [`DEFAULT_VARIANT`], that changes nothing.
     pub variants: Vec<Variant>,
+    /// The search over settings that comes before.
+    pub(crate) search: Option<Search>,
     /// Config from the command line, above everything else.
     pub options: Vec<ConfigLayer>,
     /// What in its document changes nothing, a sentence each.
@@ -96,6 +100,11 @@ impl Protocol {
             overrides.push(reader.patch(written, "override", index)?);
         }
         let variants = reader.variants(header.variants)?;
+        let search = header.search.map(|written| reader.search(written)).transpose()?;
+        if search.is_some() && !variants.is_empty() {
+            let reason = "a protocol with a search has no variants of its own: it compares default and chosen settings";
+            return Err(reader.error(&["variant"], reason.to_owned()));
+        }
         name::check(&header.name).map_err(|reason| reader.error(&["name"], reason))?;
         let at = |key| reader.prefix(&[key]);
         let mut protocol = Self {
@@ -104,14 +113,11 @@ impl Protocol {
             text: Some(text.to_owned()),
             environments: registry.expand_environments(&header.environments, &at("environments"))?,
             curricula: registry.expand_curricula(&header.curricula, &at("curricula"))?,
-            seeds: match header.seeds {
-                Seeds::List(list) => seeds::unique(&list).map(|()| list),
-                Seeds::Text(text) => seeds::parse(&text),
-            }
-            .map_err(wrong_seeds)?,
+            seeds: seeds_of(header.seeds).map_err(wrong_seeds)?,
             base: reader.layer(vec![], base),
             overrides,
             variants,
+            search,
             options: Vec::new(),
             idle_in_document: Vec::new(),
         };
@@ -141,6 +147,7 @@ impl Protocol {
             base: ConfigLayer { origin: Origin::Option("the command line".into()), table: Table::new() },
             overrides: Vec::new(),
             variants: Vec::new(),
+            search: None,
             options: Vec::new(),
             idle_in_document: Vec::new(),
         }
@@ -224,6 +231,14 @@ impl Reader<'_> {
             variants.push(Variant { label, patch });
         }
         Ok(variants)
+    }
+}
+
+/// The seeds that are written.
+fn seeds_of(written: Seeds) -> Result<Vec<u64>, String> {
+    match written {
+        Seeds::List(list) => seeds::unique(&list).map(|()| list),
+        Seeds::Text(text) => seeds::parse(&text),
     }
 }
 

@@ -48,7 +48,8 @@ impl Plan {
         for environment in &protocol.environments {
             for curriculum in &protocol.curricula {
                 for (label, variant) in variants(protocol, environment, curriculum) {
-                    let config = resolve(protocol, registry, environment, curriculum, variant)?;
+                    let layer = variant.map(|variant| &variant.patch.layer);
+                    let config = resolve(protocol, registry, environment, curriculum, layer)?;
                     check_title(registry, curriculum, &config)?;
                     let version = |id: &String| config::curriculum_version(registry, id, &config);
                     let shadows = config.shadow.iter().map(|id| (id.clone(), version(id))).collect();
@@ -157,12 +158,16 @@ fn variants<'a>(
     applying.map(|variant| (variant.label.as_str(), Some(variant))).collect()
 }
 
-fn resolve(
+/// The config of a cell whose variant sets `layer`.
+///
+/// # Errors
+/// [`HarnessError`] naming the place of the first wrong field.
+pub(super) fn resolve(
     protocol: &Protocol,
     registry: &Registry,
     environment: &str,
     curriculum: &str,
-    variant: Option<&Variant>,
+    layer: Option<&ConfigLayer>,
 ) -> Result<RunConfig, HarnessError> {
     let known = "names were checked when the protocol was read";
     let spec = &registry.environment(environment).expect(known).spec;
@@ -170,7 +175,7 @@ fn resolve(
     let applying = protocol.overrides.iter().filter(|patch| patch.applies(environment, curriculum));
     let layers: Vec<ConfigLayer> = std::iter::once(&protocol.base)
         .chain(applying.map(|patch| &patch.layer))
-        .chain(variant.map(|variant| &variant.patch.layer))
+        .chain(layer)
         .chain(&protocol.options)
         .cloned()
         .collect();

@@ -49,10 +49,12 @@ pub fn provenance(source: String, protocol: &str) -> Result<Provenance, HarnessE
 
 /// The protocol that was recorded in the baseline at `path`, with the baseline's seeds.
 ///
-/// # Errors [`HarnessError`] if this program cannot read it.
+/// # Errors
+/// [`HarnessError`] if this program cannot read it.
 pub fn protocol(baseline: &Baseline, path: &Path, registry: &Registry) -> Result<Protocol, HarnessError> {
     let place = format!("{} (protocol)", path.display());
     let mut protocol = Protocol::parse(&place, &as_toml(&baseline.protocol, &place)?, registry)?;
+    protocol.refuse_search()?;
     protocol.seeds.clone_from(&baseline.seeds);
     Ok(protocol)
 }

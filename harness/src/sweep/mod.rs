@@ -218,7 +218,7 @@ impl Prepared {
     }
 
     /// Carries out all runs that have not ended, on this machine. `reporter` hears of them; SIGINT and
-    /// SIGTERM call `on_stop` once, then let the workers save and stop.
+    /// SIGTERM, for which `stopper` listens, let the workers save and stop.
     ///
     /// # Errors
     /// [`HarnessError`] if run folders or threads cannot be made; endings of single runs are no errors.
@@ -226,10 +226,9 @@ impl Prepared {
         &self,
         conduct: Conduct,
         reporter: &dyn Reporter,
-        on_stop: impl Fn() + Send + 'static,
+        stopper: &Stopper,
     ) -> Result<Endings, HarnessError> {
-        let stopper = Stopper::listen(on_stop).map_err(HarnessError::system("listen for signals"))?;
-        let endings = local::execute(self.jobs(), conduct, &stopper, reporter)?;
+        let endings = local::execute(self.jobs(), conduct, stopper, reporter)?;
         Ok(Endings::new(self.jobs(), endings))
     }
 

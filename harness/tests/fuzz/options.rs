@@ -14,11 +14,12 @@ use crate::damage::{damaged, damages, value};
 use crate::target::fuzz;
 
 /// Protocols with all that a protocol can hold.
-const PROTOCOLS: [&str; 4] = [
+const PROTOCOLS: [&str; 5] = [
     include_str!("../../src/protocol/presets/ambiguity.toml"),
     include_str!("../../src/protocol/presets/reduced.toml"),
     include_str!("../../src/protocol/presets/smoke.toml"),
     include_str!("../../baselines/gate.toml"),
+    include_str!("../../examples/search.toml"),
 ];
 
 const SMALL: &str = "name = 'small'\nenvironments = ['Point']\ncurricula = ['teach']\nseeds = [0]\n";
@@ -47,6 +48,10 @@ fn protocols() {
             Ok(protocol) => {
                 if let Ok(plan) = Plan::new(&protocol, &registry) {
                     assert_kept(&plan);
+                    let trials = protocol.trials(&registry).ok().flatten();
+                    if let Some(Ok(plan)) = trials.map(|trials| Plan::new(&trials.protocol, &registry)) {
+                        assert_kept(&plan);
+                    }
                 }
             }
         }

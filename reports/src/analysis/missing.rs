@@ -9,6 +9,7 @@ use crate::analysis::cost;
 use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::teaching::PICKED_GOALS;
+use crate::analysis::tuning::{DEFAULT, TunedPlace};
 use crate::analysis::whole::Analysis;
 use crate::schema::{Outcome, Record};
 use crate::store::Run;
@@ -40,6 +41,7 @@ pub fn all(analysis: &Analysis<'_>) -> Vec<String> {
     lacking.extend(diagnoses(analysis));
     lacking.extend(measures(analysis));
     lacking.extend(shadows(analysis));
+    lacking.extend(search(analysis));
     lacking.extend(any_success(&own));
     lacking.extend(picks(&own));
     lacking.extend(timings(analysis));
@@ -143,6 +145,22 @@ fn measures(analysis: &Analysis<'_>) -> Vec<String> {
     own.filter(is_silent)
         .map(|group| format!("{}: {}: no measure of the frontier", group.key.environment, group.key.name()))
         .collect()
+}
+
+/// A search without a choice, and choices without runs.
+fn search(analysis: &Analysis<'_>) -> Vec<String> {
+    if analysis.tuning.is_open {
+        return vec![
+            "the search over settings: its trials have not all ended, so nothing is chosen".to_owned(),
+        ];
+    }
+    let places = analysis.tuning.places(analysis.groups, analysis.options);
+    let without = places.iter().filter(|place| place.tried.chosen != DEFAULT && place.tuned.is_none());
+    let said = |place: &TunedPlace<'_>| {
+        let (environment, title) = (&place.key.environment, &place.key.curriculum.title);
+        format!("{environment}: {title}: no finished runs with the chosen settings beside the default ones")
+    };
+    without.map(said).collect()
 }
 
 /// Shadows that fell silent, and the first reason.

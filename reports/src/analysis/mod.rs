@@ -33,6 +33,7 @@ pub mod student;
 pub mod subset;
 pub mod summary;
 pub mod teaching;
+pub mod tuning;
 pub mod variants;
 pub mod weighted;
 pub mod whole;

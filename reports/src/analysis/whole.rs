@@ -24,6 +24,7 @@ use crate::analysis::shadow::ShadowFiles;
 use crate::analysis::student::StudentFiles;
 use crate::analysis::summary::GroupSummary;
 use crate::analysis::teaching::PickSummary;
+use crate::analysis::tuning::TuningFile;
 use crate::store::Store;
 use crate::store::problem::StoreProblem;
 use crate::store::protocols::ProtocolCopy;
@@ -69,6 +70,8 @@ pub struct Analysis<'a> {
     pub frontier: FrontierFiles,
     /// What teachers that watched would have done.
     pub shadow: ShadowFiles,
+    /// What a search over settings chose.
+    pub tuning: TuningFile,
 }
 
 impl<'a> Analysis<'a> {
@@ -112,6 +115,7 @@ impl<'a> Analysis<'a> {
             student: StudentFiles::of(results, store),
             shadow: ShadowFiles::of(results, store, &frontier),
             frontier,
+            tuning: TuningFile::of(results),
         }
     }
 
@@ -123,6 +127,7 @@ impl<'a> Analysis<'a> {
             &self.student.problems,
             &self.frontier.problems,
             &self.shadow.problems,
+            &self.tuning.problems,
         ];
         read.into_iter().flatten()
     }

@@ -40,6 +40,7 @@ mod shadow;
 mod student;
 mod summary;
 mod teaching;
+mod tuning;
 mod variant_settings;
 mod variants;
 
@@ -62,6 +63,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     shadow::LINES,
     calibration::RELIABILITY,
     calibration::JUDGEMENTS,
+    tuning::TRIALS,
     learning::STEPS,
     learning::ALL_STEPS,
     learning::GRADIENT_STEPS,
@@ -78,6 +80,9 @@ pub static ARTEFACTS: &[Artefact] = &[
     ledger::ROW,
     ledger::ROW_ELSEWHERE,
     readings::ROW,
+    tuning::FIGURES,
+    tuning::ROW,
+    tuning::SENSITIVITY,
     intervals::ROW,
     profiles::ROW,
     efficiency::ROW,

@@ -1,8 +1,12 @@
 //! The record schema: what a run writes and every report reads.
 
+mod tuning;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+
+pub use tuning::{TrialPlace, TrialScore, TunedCurriculum, Tuning, TuningMeasure};
 
 /// Version of the schema, raised whenever a field changes its meaning.
 pub const SCHEMA: u32 = 1;

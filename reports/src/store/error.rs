@@ -18,6 +18,15 @@ pub enum StoreError {
         /// The path given.
         path: PathBuf,
     },
+    /// The folder holds the trials of a search, and no run of the experiment yet.
+    #[error(
+        "{path}: holds the trials of a search and nothing else yet; they are results by themselves, in {}",
+        path.join("tuning").display()
+    )]
+    OnlyTrials {
+        /// The path given.
+        path: PathBuf,
+    },
     /// The system refused.
     #[error("{path}: cannot {action}")]
     Io {
@@ -87,6 +96,7 @@ impl StoreError {
     pub fn path(&self) -> &Path {
         match self {
             Self::NotResults { path }
+            | Self::OnlyTrials { path }
             | Self::Io { path, .. }
             | Self::Json { path, .. }
             | Self::Line { path, .. }

@@ -3,6 +3,7 @@
 //! ```text
 //! RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N/FILE    for every FILE of the table FILES
 //! RESULTS/protocols/NAME.toml
+//! RESULTS/tuning/{runs/..., choice.json}    of a protocol with a search; a results folder by itself
 //! RESULTS/report/{index.html, summary.md, *.csv, *.parquet, DATA.md, files.txt,
 //!                 tables/*.tex, figures/*.{svg, png}}
 //! ```
@@ -66,6 +67,11 @@ pub const REPLAY: &str = "replay";
 pub const EVENTS: &str = "events.out.tfevents.goalbench";
 /// The file that whoever works on the folder holds a lock on.
 pub const LOCK: &str = ".lock";
+
+/// The folder of the trials of a search.
+pub const TUNING: &str = "tuning";
+/// What was chosen by them.
+pub const CHOICE: &str = "choice.json";
 
 /// Everything that lies in a run's folder. The outcome comes before the checksums: whoever removes both in
 /// this order never leaves an ended run without them.
@@ -131,6 +137,17 @@ pub fn key_at(folder: &Path) -> Option<RunKey> {
 /// The folder of the copies of the protocols that the results were made by.
 pub fn protocols_dir(results: &Path) -> PathBuf {
     results.join("protocols")
+}
+
+/// The results folder of the trials of a search: a folder of its own, so that whoever reads results never
+/// takes them for runs of the experiment.
+pub fn tuning_dir(results: &Path) -> PathBuf {
+    results.join(TUNING)
+}
+
+/// What the search of the results folder `results` chose: [`Tuning`](crate::schema::Tuning).
+pub fn choice_file(results: &Path) -> PathBuf {
+    tuning_dir(results).join(CHOICE)
 }
 
 /// The folder of the figures and tables.

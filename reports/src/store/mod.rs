@@ -24,6 +24,7 @@ mod run_folder;
 mod shadow;
 mod student;
 mod teaching;
+mod tuning;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -38,6 +39,7 @@ pub use run_folder::{JsonLine, RunFolder, read_json};
 pub use shadow::shadowing;
 pub use student::learning;
 pub use teaching::teaching;
+pub use tuning::{has_trials, tuning};
 
 use crate::schema::{Manifest, Outcome, Record, RunKey, Timing};
 use crate::store::problem::{Fault, StoreProblem};

@@ -28,8 +28,8 @@ impl Results {
     /// Looks for everything that lies below `runs/`. A folder in which no run has begun yet is passed over.
     ///
     /// # Errors
-    /// [`StoreError::Io`] and [`StoreError::NotResults`] if this is no results folder. What cannot be read
-    /// below is named in the survey.
+    /// [`StoreError::Io`], [`StoreError::NotResults`] and [`StoreError::OnlyTrials`] if this is no results
+    /// folder, or not yet one. What cannot be read below is named in the survey.
     pub fn survey(&self) -> Result<Survey, StoreError> {
         fs::metadata(&self.path).map_err(StoreError::io(&self.path, "find this folder"))?;
         let runs = layout::runs_dir(&self.path);
@@ -37,6 +37,9 @@ impl Results {
             Ok(found) if found.is_dir() => {}
             Err(error) if !files::is_absent(&error) => {
                 return Err(StoreError::io(runs, "find this folder")(error));
+            }
+            _ if layout::runs_dir(&layout::tuning_dir(&self.path)).is_dir() => {
+                return Err(StoreError::OnlyTrials { path: self.path.clone() });
             }
             _ => return Err(StoreError::NotResults { path: self.path.clone() }),
         }

@@ -25,4 +25,5 @@ mod student;
 mod support;
 mod teaching;
 mod timings;
+mod tuning;
 mod verdicts;

@@ -96,6 +96,7 @@ fn all_files_are_written_and_returned() {
         "records.parquet",
         "runs.csv",
         "runs.parquet",
+        "sensitivity.csv",
         "shadows.csv",
         "shadows.parquet",
         "student.csv",
@@ -110,6 +111,10 @@ fn all_files_are_written_and_returned() {
         "tables/summary.tex",
         "tables/variants.tex",
         "teaching.csv",
+        "trials.csv",
+        "trials.parquet",
+        "tuning.csv",
+        "tuning.parquet",
         "variants.csv",
     ];
     assert_eq!(names, expected);

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use reports::schema::{Crash, Frontier, Learning, Manifest, Outcome, Record, Shadowing, Teaching, Timing};
+use reports::schema::{
+    Crash, Frontier, Learning, Manifest, Outcome, Record, Shadowing, Teaching, Timing, Tuning,
+};
 use reports::store::layout;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -17,7 +19,8 @@ page. [Protocols](protocols.md#results) shows where the folder is and which file
 them are explained in the report's own `DATA.md`.
 
 Files ending in `.jsonl` hold a JSON object per line. Types are JSON's, where `integer` is a whole number and `number[]` a list of
-numbers; `[N]` is the shape of a list, with N goals in the pool and G numbers in a goal. An unknown field is an error.
+numbers; `[N]` is the shape of a list, with N goals in the pool and G numbers in a goal. An unknown field is an error. The last file,
+`tuning/choice.json`, is one of the results folder: what a [search over settings](protocols.md#a-search-over-settings) chose.
 ";
 
 /// A file, and what one line or all of it is.
@@ -43,6 +46,7 @@ pub(super) fn page() -> String {
         of::<Timing>(layout::TIMING),
         of::<Outcome>(layout::OUTCOME),
         of::<Crash>(layout::CRASHES),
+        of::<Tuning>("tuning/choice.json"),
     ];
     let mut text = INTRODUCTION.to_owned();
     for File { name, schema } in files {
@@ -96,6 +100,8 @@ fn kind(schema: &Json) -> String {
     };
     match &schema["type"] {
         Json::Array(names) => names.iter().map(word).collect::<Vec<_>>().join(" or "),
+        // One of several words.
+        Json::Null if !schema["oneOf"][0]["const"].is_null() => "string".to_owned(),
         Json::Null => "any".to_owned(),
         name => word(name),
     }

@@ -11,6 +11,7 @@ use crate::cli::flags::{DetailFlags, JobsFlag, number, whole};
 use crate::error::HarnessError;
 use crate::outputs;
 use crate::protocol::plan::Plan;
+use crate::sweep::signals::Stopper;
 use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, local, reporter};
 
 /// How often a run whose worker crashed is begun again from its checkpoint.
@@ -134,7 +135,9 @@ impl RunsArgs {
         let reporter = reporter::for_stderr(sweep.jobs(), workers, self.detail.detail());
         let discard_replay = self.keep.is_none();
         let conduct = Conduct { retries: RETRIES, discard_replay, ..Conduct::share(workers, 1) };
-        let endings = sweep.carry_out(conduct, reporter.as_ref(), || complain("goalbench: stopping"))?;
+        let stopper = Stopper::listen(|| complain("goalbench: stopping"));
+        let stopper = stopper.map_err(HarnessError::system("listen for signals"))?;
+        let endings = sweep.carry_out(conduct, reporter.as_ref(), &stopper)?;
         Ok(have_ended(&endings)?.then_some(results))
     }
 }

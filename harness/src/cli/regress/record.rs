@@ -53,6 +53,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
         reason: "give a protocol file or --preset NAME".to_owned(),
     })?;
     let mut protocol = Protocol::parse(&written.name, &written.text, registry)?;
+    protocol.refuse_search()?;
     protocol.seeds = args.seeds.or(protocol.seeds)?;
     let check = match &args.check_seeds {
         Some(text) => parse_seeds("--check-seeds", text)?,

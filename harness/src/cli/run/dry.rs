@@ -6,7 +6,8 @@ use std::time::Duration;
 use agents::Device;
 use reports::wording::{counted, counted_u64};
 
-use super::{Args, Executor, conduct, decide, threads};
+use super::phase::{conduct, decide, threads};
+use super::{Args, Executor};
 use crate::Registry;
 use crate::cli::{Exit, complain, print};
 use crate::error::HarnessError;

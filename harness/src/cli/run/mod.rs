@@ -1,27 +1,25 @@
 //! `goalbench run`.
 
 mod dry;
+mod phase;
+mod search;
 mod summary;
 
 use std::path::{Path, PathBuf};
 
 use guard::text::short;
-use reports::wording::counted;
 
 use super::flags::{DetailFlags, JobsFlag, ProtocolFlags, SeedsFlag, name, whole};
-use super::{Exit, complain, print, warn_of_idle};
+use super::{Exit, print, warn_of_idle};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
-use crate::console::word;
 use crate::error::HarnessError;
-use crate::memory;
 use crate::outputs;
+use crate::protocol::Protocol;
 use crate::protocol::plan::Plan;
-use crate::protocol::{Protocol, copy};
-use crate::sweep::cohort::fewer_than;
-use crate::sweep::lanes::Decided;
-use crate::sweep::slurm::{self, Request};
-use crate::sweep::{Conduct, ExitCode, Job, Lanes, Preparation, Prepared, Sweep, local, reporter};
+use crate::sweep::signals::Stopper;
+use crate::sweep::{ExitCode, Lanes, Prepared, reporter};
+use phase::Command;
 use summary::summarise;
 
 #[derive(clap::Args)]
@@ -182,9 +180,15 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     let further = words(&args.slurm.extra)?;
     let protocol = protocol(registry, args)?;
     let plan = Plan::new(&protocol, registry)?;
+    let trials = protocol.trials(registry)?;
     warn_of_idle(&protocol, &plan);
+    let results = results(args, &plan.name);
+    let command = Command::new((registry, args), &protocol, &results, further);
     if args.print_config {
-        print(&plan.configs());
+        print(&match &trials {
+            Some(trials) => search::configs(&command, trials)?,
+            None => plan.configs(),
+        });
         return Ok(ExitCode::Success);
     }
     if args.extend && args.out.is_none() && !args.protocol.is_given() {
@@ -192,113 +196,13 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
             "needs --out, since without it the results folder is named after the command, budget included";
         return Err(HarnessError::Argument { option: "--extend", reason: reason.to_owned() });
     }
-    let results = results(args, &plan.name);
     outputs::folder("--out", &results, &args.protocol.inputs())?;
-    let sweep = Sweep::survey(&plan, &results, args.extend)?;
-    if args.executor == Executor::Local && !args.dry_run {
-        sweep.check_device().map_err(HarnessError::flag("--device"))?;
+    match (&trials, args.dry_run) {
+        (None, false) => command.carry_out(&plan, &results)?.told(&results, args.json),
+        (None, true) => dry::dry_run(registry, args, &plan, &command.survey(&plan, &results)?, &results),
+        (Some(trials), false) => search::run(&command, trials),
+        (Some(trials), true) => search::dry_run(&command, trials),
     }
-    if args.dry_run {
-        return dry::dry_run(registry, args, &plan, &sweep, &results);
-    }
-    let lanes = decide(registry, args, sweep.open())?;
-    if let Some(note) = &lanes.note {
-        complain(&format!("goalbench: {note}"));
-    }
-    match args.executor {
-        Executor::Local => {
-            local::limits::make_room(conduct(args, &lanes, sweep.open().count()).workers)?;
-            for line in sweep.slow_precisions(registry)? {
-                complain(&format!("goalbench: {line}"));
-            }
-        }
-        Executor::Slurm => slurm::check(&results)?,
-    }
-    sweep.try_out(args.executor == Executor::Slurm)?;
-    let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
-    let sweep = sweep.prepare(preparation)?;
-    for line in sweep.begun_by_other_builds()? {
-        complain(&format!("goalbench: {line}"));
-    }
-    for line in sweep.lacking_times() {
-        complain(&format!("goalbench: {line}"));
-    }
-    match args.executor {
-        Executor::Local => {
-            let conduct = conduct(args, &lanes, sweep.open().count());
-            warn_of_memory(registry, &sweep, conduct);
-            copy::save(&protocol, &results)?;
-            carry_out(&sweep, args, conduct)
-        }
-        Executor::Slurm => {
-            let submitted = submit(&sweep, &plan.name, args, &lanes, further)?;
-            copy::save(&protocol, &results)?;
-            Ok(submitted)
-        }
-    }
-}
-
-/// How many of the `open` runs go in lockstep; says so where that is fewer than were asked for.
-fn decide<'a>(
-    registry: &Registry,
-    args: &Args,
-    open: impl Iterator<Item = &'a Job> + Clone,
-) -> Result<Decided, HarnessError> {
-    let elsewhere = args.executor == Executor::Slurm;
-    let decided =
-        args.lanes.decide(registry, open.clone(), elsewhere, threads(args, open.clone().count()))?;
-    if args.overlap {
-        decided.check_overlap()?;
-    }
-    if let (Lanes::Number(lanes), Some(note)) = (args.lanes, fewer_than(decided.lanes, open))
-        && lanes > 1
-    {
-        complain(&format!("goalbench: {note}"));
-    }
-    Ok(decided)
-}
-
-/// Threads that compute for `open` runs in lockstep here: with --overlap, each half has its own.
-fn threads(args: &Args, open: usize) -> usize {
-    args.jobs.for_runs(open) * if args.overlap { 2 } else { 1 }
-}
-
-/// How `open` runs are carried out here.
-fn conduct(args: &Args, lanes: &Decided, open: usize) -> Conduct {
-    // No more threads than there are runs, whatever number was asked for.
-    let threads = args.jobs.for_runs(open);
-    let shared = Conduct::share(threads, lanes.lanes);
-    let Args { retries, tensorboard, discard_replay, overlap, .. } = *args;
-    let conduct = Conduct { retries, tensorboard, discard_replay, overlap, ..shared };
-    // There is one GPU, and its cohort takes all the threads there are.
-    if lanes.gpu { Conduct { workers: 1, threads, ..conduct } } else { conduct }
-}
-
-/// Says before it happens that runs may need more memory than there is.
-fn warn_of_memory(registry: &Registry, sweep: &Prepared, conduct: Conduct) {
-    let size =
-        |job: &Job| Some(memory::of_run(&job.config, &registry.environment(&job.run().environment)?.spec));
-    let sizes: Vec<u64> = sweep.open().filter_map(size).collect();
-    let parallel = conduct.at_a_time(sizes.len());
-    if let Some(text) = memory::available().and_then(|available| memory::warning(sizes, parallel, available))
-    {
-        complain(&format!("goalbench: {text}"));
-    }
-}
-
-fn carry_out(sweep: &Prepared, args: &Args, conduct: Conduct) -> Exit {
-    let parallel = conduct.at_a_time(sweep.open().count());
-    let reporter = if args.json {
-        reporter::json(|line| print(&format!("{line}\n")))
-    } else {
-        reporter::for_stderr(sweep.jobs(), parallel, args.detail.detail())
-    };
-    let endings = sweep.carry_out(conduct, reporter.as_ref(), || {
-        complain("goalbench: stopping; runs save their checkpoints (once more to stop at once)")
-    })?;
-    // Bars leave the screen before anything else is said.
-    drop(reporter);
-    Ok(summarise(&endings, sweep.results(), args.json))
 }
 
 /// The words of the options for sbatch, which are given as one would type them in a shell.
@@ -310,40 +214,12 @@ fn words(options: &[String]) -> Result<Vec<String>, HarnessError> {
     Ok(options.iter().map(split).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-fn submit(sweep: &Prepared, name: &str, args: &Args, lanes: &Decided, extra: Vec<String>) -> Exit {
-    let request = Request {
-        name: format!("goalbench-{name}"),
-        partition: args.slurm.partition.clone(),
-        time: args.slurm.time.clone(),
-        memory: args.slurm.mem.clone(),
-        at_once: args.slurm.at_once,
-        chunk: args.slurm.chunk.map_or(1, usize::from),
-        lanes: lanes.lanes,
-        overlap: args.overlap,
-        gpu: lanes.gpu,
-        retries: args.retries,
-        tensorboard: args.tensorboard,
-        discard_replay: args.discard_replay,
-        extra,
-    };
-    let Some(submitted) = sweep.submit(&request)? else {
-        print("nothing to submit\n");
-        return Ok(summarise(&sweep.kept(), sweep.results(), false));
-    };
-    print(&format!(
-        "submitted job {} with {}; next: goalbench status {}\n",
-        submitted.job,
-        counted(submitted.tasks, "task"),
-        word(sweep.results())
-    ));
-    Ok(ExitCode::Success)
-}
-
 /// `goalbench task`: what a task of the job array does.
 pub(super) fn task(list: &Path, index: usize) -> Exit {
     let (sweep, conduct) = Prepared::for_task(list, index)?;
     let reporter = reporter::lines(sweep.jobs(), conduct.at_a_time(sweep.open().count()));
-    let endings = sweep.carry_out(conduct, reporter.as_ref(), || {})?;
+    let stopper = Stopper::listen(|| {}).map_err(HarnessError::system("listen for signals"))?;
+    let endings = sweep.carry_out(conduct, reporter.as_ref(), &stopper)?;
     Ok(summarise(&endings, sweep.results(), false))
 }
 

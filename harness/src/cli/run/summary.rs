@@ -12,6 +12,17 @@ use crate::sweep::{Ending, Endings, ExitCode};
 /// Says how the sweep came out and gives the exit code. With `json` a good end is left out: the events have
 /// told it.
 pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCode {
+    problems(endings, results);
+    let code = endings.exit_code();
+    if code == ExitCode::Success && !json {
+        let (runs, place) = (counted(endings.total(), "run"), word(results));
+        print(&format!("{runs} finished; records in {place}; next: goalbench report {place}\n"));
+    }
+    code
+}
+
+/// Says what went wrong, or is not done.
+pub(super) fn problems(endings: &Endings, results: &Path) {
     for (run, ending) in endings.iter() {
         match ending {
             Ending::Ended(Outcome::Failed { step, reason }) => {
@@ -42,10 +53,4 @@ pub(super) fn summarise(endings: &Endings, results: &Path, json: bool) -> ExitCo
             is_or_are(endings.taken())
         ),
     );
-    let code = endings.exit_code();
-    if code == ExitCode::Success && !json {
-        let runs = counted(total, "run");
-        print(&format!("{runs} finished; records in {place}; next: goalbench report {place}\n"));
-    }
-    code
 }

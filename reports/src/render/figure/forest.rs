@@ -31,23 +31,35 @@ const COLUMN_GAP: i32 = 96;
 /// Height of the strokes at the ends of an interval.
 const CAP: i32 = 10;
 
+/// How far dots of a row lie below its middle, in turn.
+const LIFTS: [i32; 5] = [0, -8, 8, -16, 16];
+
 /// A value in [0, 1] and its interval.
 type Estimate = (f64, Option<(f64, f64)>);
 
+/// Single values behind an estimate.
+pub(super) struct Dots {
+    pub(super) all: Vec<f64>,
+    /// Index of the one in a ring.
+    pub(super) chosen: Option<usize>,
+}
+
 /// One plot over all rows.
-struct Column {
-    title: &'static str,
+pub(super) struct Column<'a> {
+    title: &'a str,
     axis: RateAxis,
     /// A value to compare with: a line from top to bottom.
     reference: Option<f64>,
     estimates: Vec<Estimate>,
+    /// Of every row; empty where no row has any.
+    dots: Vec<Dots>,
 }
 
 /// Rows of estimates.
-struct Forest {
-    rows: Vec<(String, Look)>,
-    columns: Vec<Column>,
-    caption: String,
+pub(super) struct Forest<'a> {
+    pub(super) rows: Vec<(String, Look)>,
+    pub(super) columns: Vec<Column<'a>>,
+    pub(super) caption: String,
 }
 
 /// Interquartile mean and optimality gap of all methods, as SVG.
@@ -110,9 +122,9 @@ fn lines(basis: &Basis<'_>) -> String {
     format!("lines: {}; none where an environment has a single seed", basis.intervals())
 }
 
-impl Column {
-    fn of(
-        title: &'static str,
+impl<'a> Column<'a> {
+    pub(super) fn of(
+        title: &'a str,
         x_name: &str,
         reference: Option<f64>,
         estimates: Vec<Estimate>,
@@ -123,12 +135,27 @@ impl Column {
             [low, *value, high]
         };
         let values = estimates.iter().flat_map(ends).chain(reference);
-        Self { title, axis: RateAxis::of(x_name, style.zoom, values), reference, estimates }
+        let axis = RateAxis::of(x_name, style.zoom, values);
+        Self { title, axis, reference, estimates, dots: Vec::new() }
+    }
+
+    /// The same without intervals, and with single values of every row behind its estimate.
+    pub(super) fn with_dots(
+        title: &'a str,
+        x_name: &str,
+        estimates: Vec<Estimate>,
+        dots: Vec<Dots>,
+        style: &Style,
+    ) -> Self {
+        let values = estimates.iter().map(|(value, _)| *value);
+        let values = values.chain(dots.iter().flat_map(|dots| dots.all.iter().copied()));
+        let axis = RateAxis::of(x_name, style.zoom, values);
+        Self { title, axis, reference: None, estimates, dots }
     }
 }
 
-impl Forest {
-    fn draw(&self) -> Result<String, ReportError> {
+impl Forest<'_> {
+    pub(super) fn draw(&self) -> Result<String, ReportError> {
         text::register()?;
         let style = text::style(LABEL).pos(Pos::new(HPos::Right, VPos::Center));
         let mut labels = Vec::with_capacity(self.rows.len());
@@ -158,7 +185,13 @@ impl Forest {
         })
     }
 
-    fn draw_column(&self, root: &Area<'_>, column: &Column, at: (i32, i32), size: (i32, i32)) -> DrawResult {
+    fn draw_column(
+        &self,
+        root: &Area<'_>,
+        column: &Column<'_>,
+        at: (i32, i32),
+        size: (i32, i32),
+    ) -> DrawResult {
         let ((left, top), (width, height)) = (at, size);
         let bottom = top + height;
         let RateAxis { low, high, ref ticks, ref name, .. } = column.axis;
@@ -191,6 +224,16 @@ impl Forest {
                 }
             }
             shapes::marker(root, (x(*value), y), *look)?;
+            if let Some(dots) = column.dots.get(index as usize) {
+                // Equal values beside each other, below and above the row's middle.
+                for (number, (&value, lift)) in dots.all.iter().zip(LIFTS.iter().cycle()).enumerate() {
+                    let at = (x(value), y + lift);
+                    shapes::dot(root, at, *look)?;
+                    if dots.chosen == Some(number) {
+                        shapes::ring(root, at)?;
+                    }
+                }
+            }
         }
         Ok(())
     }

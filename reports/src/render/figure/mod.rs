@@ -33,6 +33,7 @@ mod shapes;
 mod style;
 mod text;
 mod ticks;
+mod trials;
 
 pub use agreement::{AgreementMatrix, agreement};
 pub use basis::Basis;
@@ -51,3 +52,4 @@ pub use profile::profiles;
 pub use ranks::ranks;
 pub use raster::png;
 pub use style::Style;
+pub use trials::trials;

@@ -13,6 +13,10 @@ type Pixel = (i32, i32);
 const LINE_WIDTH: u32 = 5;
 /// Half the size of a marker in pixels.
 const MARKER_RADIUS: i32 = 11;
+/// Sizes of dots and of the rings around them, in pixels, and how much dots cover.
+const DOT_RADIUS: i32 = 7;
+const RING_RADIUS: i32 = 14;
+const DOT_OPACITY: f64 = 0.5;
 /// Opacity of bands: six of them on top of each other can still be told apart.
 const BAND_OPACITY: f64 = 0.15;
 
@@ -102,6 +106,16 @@ pub(super) fn marker(area: &Area<'_>, at: Pixel, look: Look) -> DrawResult {
     };
     let outline: Vec<Pixel> = corners.iter().map(|&corner| shift(at, corner)).collect();
     area.draw(&Polygon::new(outline, colour(look).filled()))
+}
+
+/// A small dot around `at`, through which others are seen.
+pub(super) fn dot(area: &Area<'_>, at: Pixel, look: Look) -> DrawResult {
+    area.draw(&Circle::new(at, DOT_RADIUS, colour(look).mix(DOT_OPACITY).filled()))
+}
+
+/// A ring around `at`.
+pub(super) fn ring(area: &Area<'_>, at: Pixel) -> DrawResult {
+    area.draw(&Circle::new(at, RING_RADIUS, BLACK.stroke_width(3)))
 }
 
 fn shift(at: Pixel, by: Pixel) -> Pixel {
