@@ -68,8 +68,9 @@ fn attempt(stream: &Mutex<Health>, write: impl FnOnce() -> std::io::Result<()>) 
     (*health == Health::Broken).then_some(error)
 }
 
-/// Ends the program whose work ended with `code`. Nothing is cleaned up: what libtorch and MuJoCo would do at the end
-/// of a process takes a quarter of a short command's time, and everything that was written is flushed.
+/// Ends the program whose work ended with `code`. Nothing is cleaned up: what libtorch and MuJoCo would do at
+/// the end of a process takes a quarter of a short command's time, and everything that was written is
+/// flushed.
 pub(crate) fn end(code: ExitCode) -> ! {
     signal_hook::low_level::exit(i32::from(verdict(code) as u8))
 }

@@ -59,11 +59,12 @@ pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
     checked(path, folder.path(), Wanted::Results)
 }
 
-/// Unpacks the archive at `path` into the new results folder `out`, which appears complete or not at all. It is
-/// checked as [`unpack`] does.
+/// Unpacks the archive at `path` into the new results folder `out`, which appears complete or not at all. It
+/// is checked as [`unpack`] does.
 ///
 /// # Errors
-/// As [`unpack`]; [`HarnessError::Exists`] if something lies at `out`, [`HarnessError::Io`] if it cannot be written.
+/// As [`unpack`]; [`HarnessError::Exists`] if something lies at `out`, [`HarnessError::Io`] if it cannot be
+/// written.
 pub fn unpack_to(path: &Path, out: &Path) -> Result<Unpacked, HarnessError> {
     let folder = FreshFolder::beside(out, &KIND)?;
     let unpacked = checked(path, folder.path(), Wanted::All)?;

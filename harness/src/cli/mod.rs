@@ -154,7 +154,8 @@ enum Command {
     },
 }
 
-/// The whole program with the environments and curricula of `registry`. It ends the process, with an [`ExitCode`].
+/// The whole program with the environments and curricula of `registry`. It ends the process, with an
+/// [`ExitCode`].
 pub fn main(registry: Registry) -> ! {
     let cli: Cli = match misuse::parse() {
         Ok(cli) => cli,
