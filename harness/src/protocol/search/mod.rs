@@ -1,6 +1,6 @@
 //! `[search]`: the same random search over settings for every curriculum, before the experiment.
 //!
-//! A search turns its protocol into two: that of the [`trials`], whose runs have seeds of their own, and the
+//! A search turns its protocol into two: that of the [`Trials`], whose runs have seeds of their own, and the
 //! fresh one, which sets the chosen settings beside the default ones. Both are protocols like any other.
 
 mod draw;
