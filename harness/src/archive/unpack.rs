@@ -36,7 +36,7 @@ const MOST_OF_SUMS: u64 = 64 << 20;
 /// What is unpacked, by which leftovers of killed processes are known.
 const KIND: FolderKind = FolderKind {
     prefix: ".goalbench-unpack-",
-    holds: &["runs", "protocols", "policies", CARD, SUMS, TIDY[0], TIDY[1]],
+    holds: &["runs", "protocols", "policies", layout::TUNING, CARD, SUMS, TIDY[0], TIDY[1]],
 };
 
 /// Which files of an archive are put into a folder. All are checked.
@@ -128,10 +128,10 @@ fn entries(reader: &mut impl Read, folder: &Path, wanted: Wanted) -> Result<(), 
             continue;
         };
         let expected = sums.get(&name).ok_or_else(|| wrong("is not in the list of checksums"))?;
-        let sum = match kind {
-            Member::Results => place(&mut entry, &folder.join(&name))?,
-            _ if wanted == Wanted::All => place(&mut entry, &folder.join(&name))?,
-            _ => sums::of(&mut entry)?.0,
+        let sum = if kind == Member::Results || wanted == Wanted::All {
+            place(&mut entry, &folder.join(&name))?
+        } else {
+            sums::of(&mut entry)?.0
         };
         if sum != *expected {
             return Err(ArchiveProblem::Checksum { name });
