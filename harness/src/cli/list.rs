@@ -112,7 +112,8 @@ fn as_text(registry: &Registry, what: What) -> String {
             format!("curriculum\n{}", lines.collect::<String>())
         }
         What::Presets => {
-            let lines = PRESETS.iter().map(|preset| format!("{:<14} {}\n", preset.id, preset.title));
+            let width = PRESETS.iter().map(|preset| preset.id.len()).max().unwrap_or_default();
+            let lines = PRESETS.iter().map(|preset| format!("{:<width$} {}\n", preset.id, preset.title));
             format!("preset\n{}", lines.collect::<String>())
         }
         What::Config => config::defaults(registry).to_string(),

@@ -1,5 +1,6 @@
 //! `goalbench pack`.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use reports::ReportOptions;
@@ -27,8 +28,8 @@ pub(super) struct Args {
     /// and variant), `all`, `none`, or seeds such as 0..3
     #[arg(long, value_name = "WHICH", default_value = "first", value_parser = policies)]
     policies: PolicyChoice,
-    /// What stays behind of every run, separated by commas; `teaching`, what the teacher did, is most of an
-    /// archive, and the maps of where teachers sent students are drawn from it
+    /// What stays behind of every run, separated by commas. Most of an archive is `teaching`, what the teacher
+    /// did; maps and films of where teachers sent students, and the ranks of their picks, need it
     #[arg(long, value_name = "WHAT,...", value_delimiter = ',')]
     without: Vec<Part>,
     /// Licence of the data, as an SPDX id
@@ -82,9 +83,11 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     outputs::file("--out", &args.out, &[])?;
     let read = [layout::runs_dir(&args.results), layout::protocols_dir(&args.results)];
     outputs::outside("--out", &args.out, &read)?;
+    // In one order, each once: however it is asked for, the same archive.
+    let without: BTreeSet<_> = args.without.iter().map(|part| part.file()).collect();
     let packing = Packing {
         policies: args.policies.clone(),
-        without: args.without.iter().map(|part| part.file()).collect(),
+        without: without.into_iter().collect(),
         licence: args.licence.clone(),
         title: args.title.clone(),
     };

@@ -171,8 +171,16 @@ fn unpacked_results_give_the_same_report() {
     let less = files(&small);
     assert!(!less.keys().any(|name| name.contains("teaching.jsonl") || name.contains("student.jsonl")));
     let card = String::from_utf8(less["DATA.md"].clone()).expect("text");
-    assert!(card.contains("left out of every run: `teaching.jsonl`, `student.jsonl`"), "{card}");
+    assert!(card.contains("left out of every run: `student.jsonl`, `teaching.jsonl`"), "{card}");
+    let same = at("same.tar.zst");
+    works(&["pack", text(&results), "--out", text(&same), "--without", "student,teaching,student"]);
+    assert!(fs::read(&same).expect("an archive") == fs::read(&small).expect("an archive"));
+    // What a killed unpack has left goes with the next one.
+    let left = at(".goalbench-unpack-0123456789ab");
+    fs::remove_dir_all(at("whole").join("report")).expect("it can be removed");
+    fs::rename(at("whole"), &left).expect("it can be renamed");
     works(&["unpack", text(&small), "--out", text(&at("small"))]);
+    assert!(!left.exists());
     works(&["report", text(&at("small")), "--title", "Toys"]);
     let after = drawn(&at("small"));
     for name in ["records.csv", "summary.csv", "ledger.csv", "teaching.csv"] {

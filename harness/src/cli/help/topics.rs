@@ -54,8 +54,10 @@ macro_rules! written {
 /// All pages.
 pub(super) static TOPICS: &[Topic] = &[
     written!("tutorial", "from nothing to a figure of a curriculum of your own"),
+    written!("reproduce", "the paper's figures: commands, hours, and what to conclude"),
     written!("protocols", "describing experiments; results, interruption, clusters, evaluations"),
     written!("environments", "the tasks, and adding one"),
+    written!("student", "networks, losses and the cycle that all curricula share"),
     written!("curricula", "the teachers, what they record, and adding one in Rust"),
     written!("python", "a curriculum in Python, or any other language"),
     written!("reports", "figures, tables, statistics, and the ledger of the paper's claims"),
@@ -70,6 +72,7 @@ pub(super) static TOPICS: &[Topic] = &[
     Topic::made("paper", "what the paper claims, and what it leaves open", |registry, _| {
         paper::page(registry)
     }),
+    written!("troubleshooting", "when something goes wrong"),
     written!("glossary", "the nouns"),
 ];
 

@@ -5,8 +5,8 @@ use looks::{Dash, Look, Marker};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::Axis;
-use super::canvas::{self, FRAME, GRID, MARGIN, PAGE_WIDTH};
+use super::axis::{Axis, Chart, draw_mesh};
+use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::legend::{Label, Legend};
 use super::shapes::{self, Area, DrawResult};
 use super::{page, text};
@@ -18,7 +18,6 @@ use crate::render::table::cells::{decimal, or_undefined};
 /// Text sizes in points.
 const TITLE: f64 = 7.5;
 const AXIS: f64 = 8.0;
-const TICK: f64 = 7.0;
 const NOTE: f64 = 6.5;
 /// Lengths in pixels.
 const COLUMNS: usize = 4;
@@ -144,7 +143,7 @@ impl Panel<'_> {
             .y_label_area_size(Y_TICKS_WIDTH)
             .x_label_area_size(X_TICKS_HEIGHT)
             .build_cartesian_2d(axis(), axis())?;
-        let pixel = |chart: &ChartContext<'_, SVGBackend<'_>, Cartesian2d<Axis, Axis>>, x: f64, y: f64| {
+        let pixel = |chart: &Chart<'_, '_>, x: f64, y: f64| {
             chart.backend_coord(&(x, y.clamp(0.0, 1.0)))
         };
         let bars = self.bars();
@@ -153,15 +152,8 @@ impl Panel<'_> {
             let [from, to] = corners.map(|(x, y)| pixel(&chart, x, y));
             root.draw(&Rectangle::new([(from.0 + 2, from.1), (to.0 - 2, to.1)], BARS.filled()))?;
         }
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID.stroke_width(2))
-            .light_line_style(TRANSPARENT)
-            .axis_style(FRAME.stroke_width(3))
-            .label_style(text::style(TICK))
-            .x_label_formatter(&|tick| format!("{tick:.1}"))
-            .y_label_formatter(&|tick| format!("{tick:.1}"))
-            .draw()?;
+        let label = |tick| format!("{tick:.1}");
+        draw_mesh(&mut chart, &label, &label)?;
         let ends = [pixel(&chart, 0.0, 0.0), pixel(&chart, 1.0, 1.0)];
         root.draw(&PathElement::new(ends, FRAME.mix(0.6).stroke_width(3)))?;
         for (part, _, look) in PARTS {

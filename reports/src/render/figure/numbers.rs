@@ -3,8 +3,8 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::Axis;
-use super::canvas::{self, FRAME, GRID, MARGIN, PAGE_WIDTH};
+use super::axis::{Axis, draw_mesh};
+use super::canvas::{self, MARGIN, PAGE_WIDTH};
 use super::legend::{Label, Legend};
 use super::palette::Palette;
 use super::shapes::{self, Area, DrawResult};
@@ -16,7 +16,6 @@ use crate::error::ReportError;
 
 /// Text sizes in points.
 const TITLE: f64 = 8.0;
-const TICK: f64 = 7.0;
 /// Lengths in pixels.
 const COLUMNS: usize = 3;
 const PLOT_HEIGHT: i32 = 340;
@@ -116,15 +115,7 @@ impl Panel<'_> {
                 Axis { range: 0.0..self.end, ticks: ticks::steps(self.end as u64, 4) },
                 Axis { range: low..high, ticks: ticks::between(low, high, 4) },
             )?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID.stroke_width(2))
-            .light_line_style(TRANSPARENT)
-            .axis_style(FRAME.stroke_width(3))
-            .label_style(text::style(TICK))
-            .x_label_formatter(&|&tick| ticks::label(tick))
-            .y_label_formatter(&|&tick| ticks::number(tick))
-            .draw()?;
+        draw_mesh(&mut chart, &|tick| ticks::label(tick), &|tick| ticks::number(tick))?;
         let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y.clamp(low, high)));
         for curve in self.plot.curves.iter().rev() {
             draw_bands(root, curve, palette, &pixel)?;

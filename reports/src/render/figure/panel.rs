@@ -4,8 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::Axis;
-use super::canvas::{FRAME, GRID};
+use super::axis::{Axis, draw_mesh};
 use super::rates::RateAxis;
 use super::shapes::{self, Area, DrawResult};
 use super::style::Style;
@@ -16,7 +15,6 @@ use looks::Look;
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
 const AXIS: f64 = 8.0;
-const TICK: f64 = 7.0;
 
 /// Heights and widths in pixels.
 pub(super) const TITLE_HEIGHT: i32 = 56;
@@ -139,15 +137,7 @@ impl Panel<'_> {
                 Axis { range: 0.0..x.end, ticks: x.ticks.clone() },
                 Axis { range: rates.low - room..rates.high + room, ticks: rates.ticks.clone() },
             )?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID.stroke_width(2))
-            .light_line_style(TRANSPARENT)
-            .axis_style(FRAME.stroke_width(3))
-            .label_style(text::style(TICK))
-            .x_label_formatter(&|&tick| (x.label)(tick))
-            .y_label_formatter(&|&tick| rates.label(tick))
-            .draw()?;
+        draw_mesh(&mut chart, &|tick| (x.label)(tick), &|tick| rates.label(tick))?;
         let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y.clamp(rates.low, rates.high)));
         for line in series.iter().rev() {
             draw_bands(root, line, &pixel)?;
