@@ -40,10 +40,25 @@ impl FreshFolder {
         let parent = outputs::folder_of(out);
         fs::create_dir_all(parent).map_err(HarnessError::io(parent, "create this folder"))?;
         sweep(parent, kind);
+        Self::within(parent, kind, 0o777)
+    }
+
+    /// A new folder for the time being among the system's temporary ones, from which what killed processes
+    /// left of others of its kind is removed.
+    ///
+    /// # Errors
+    /// [`HarnessError::Io`] if it cannot be made.
+    pub(crate) fn temporary(kind: &FolderKind) -> Result<Self, HarnessError> {
+        let parent = std::env::temp_dir();
+        sweep(&parent, kind);
+        Self::within(&parent, kind, 0o700)
+    }
+
+    fn within(parent: &Path, kind: &FolderKind, mode: u32) -> Result<Self, HarnessError> {
         let folder = tempfile::Builder::new()
             .prefix(kind.prefix)
             .rand_bytes(RANDOM)
-            .permissions(Permissions::from_mode(0o777))
+            .permissions(Permissions::from_mode(mode))
             .tempdir_in(parent)
             .map_err(HarnessError::io(parent, "write in this folder"))?;
         Ok(Self { _lock: Lock::take(folder.path())?, folder })

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use reports::schema::{Outcome, RunKey};
+use reports::schema::{Outcome, RunKey, Tuning};
 use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;
-use reports::store::{Results, RunFolder, Survey, checksums, layout};
+use reports::store::{Results, RunFolder, StoreError, Survey, checksums, layout};
 
 use crate::error::{HarnessError, chain};
 use crate::fresh_folder::{FolderKind, FreshFolder, refuse_existing};
@@ -15,6 +15,7 @@ use crate::outputs;
 use crate::protocol::copy;
 use crate::run::folder::{self, Sound};
 use crate::run::lock::is_locked;
+use crate::tuning;
 
 /// What a merge did.
 #[derive(Debug, Default)]
@@ -65,14 +66,14 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     check_sources(sources)?;
     let (chosen, mut merged) = gather(sources)?;
     // Trials of a search lie in results folders of their own, and so do they afterwards.
-    let tuning: Vec<PathBuf> =
+    let of_trials: Vec<PathBuf> =
         sources.iter().map(|source| layout::tuning_dir(source)).filter(|folder| folder.is_dir()).collect();
-    let (trials, also) = if tuning.is_empty() { Default::default() } else { gather(&tuning)? };
+    let (trials, also) = if of_trials.is_empty() { Default::default() } else { gather(&of_trials)? };
     merged.runs += also.runs;
     merged.shared += also.shared;
     merged.damaged.extend(also.damaged);
     merged.strays.extend(also.strays);
-    let choice = choice(sources)?;
+    let choice = tuning::joined(sources)?;
     copy_all(&[(Path::new(""), chosen), (Path::new(layout::TUNING), trials)], choice, sources, out)?;
     Ok(merged)
 }
@@ -82,7 +83,11 @@ fn gather(sources: &[PathBuf]) -> Result<(Vec<Candidate>, Merged), HarnessError>
     let mut merged = Merged::default();
     let mut found: BTreeMap<RunKey, Copies> = BTreeMap::new();
     for source in sources {
-        let Survey { runs, lost, strays } = Results::new(source).survey()?;
+        let Survey { runs, lost, strays } = match Results::new(source).survey() {
+            // A search whose experiment has not begun; its trials are gathered apart.
+            Err(StoreError::OnlyTrials { .. }) => continue,
+            found => found?,
+        };
         if let Some(hidden) = strays.iter().find(|stray| stray.hides_runs()) {
             let whole = HarnessError::unusable(source.display(), "read all runs of this results folder");
             return Err(whole(hidden.to_string()));
@@ -108,30 +113,6 @@ fn gather(sources: &[PathBuf]) -> Result<(Vec<Candidate>, Merged), HarnessError>
     let chosen = choose(found)?;
     merged.runs = chosen.len();
     Ok((chosen, merged))
-}
-
-/// What the searches of the `sources` chose, which must be the same.
-///
-/// # Errors
-/// [`HarnessError::Conflict`] naming two that differ.
-fn choice(sources: &[PathBuf]) -> Result<Option<Vec<u8>>, HarnessError> {
-    let mut found: Option<(PathBuf, Vec<u8>)> = None;
-    for path in sources.iter().map(|source| layout::choice_file(source)) {
-        let bytes = match guard::files::read(&path) {
-            Ok(bytes) => bytes,
-            Err(error) if guard::files::is_absent(&error) => continue,
-            Err(error) => return Err(HarnessError::io(path, "read this file")(error)),
-        };
-        match &found {
-            Some((_, known)) if *known == bytes => {}
-            Some((other, _)) => {
-                let runs = format!("{} and {} chose differently", other.display(), path.display());
-                return Err(HarnessError::Conflict { runs });
-            }
-            None => found = Some((path, bytes)),
-        }
-    }
-    Ok(found.map(|(_, bytes)| bytes))
 }
 
 /// Refuses a folder that is given twice, under one name or two: none of its runs was found more than once.
@@ -232,7 +213,7 @@ const KIND: FolderKind =
 /// the results folder below it that they go to.
 fn copy_all(
     parts: &[(&Path, Vec<Candidate>)],
-    choice: Option<Vec<u8>>,
+    choice: Option<Tuning>,
     sources: &[PathBuf],
     out: &Path,
 ) -> Result<(), HarnessError> {
@@ -243,8 +224,9 @@ fn copy_all(
         // Somebody may have gone on with the run, or changed it, since it was checked.
         folder::check(&to).map_err(HarnessError::unusable(one.folder.path().display(), "copy this run"))?;
     }
-    if let Some(bytes) = choice {
+    if let Some(choice) = choice {
         let path = layout::choice_file(fresh.path());
+        let bytes = tuning::bytes(&choice, &path)?;
         let folder = outputs::folder_of(&path);
         fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
         guard::fresh::write(&path, &bytes).map_err(HarnessError::io(&path, "write this file"))?;

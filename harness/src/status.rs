@@ -104,8 +104,10 @@ pub struct TrialsOverview {
 pub fn status(results: &Path) -> Result<Overview, HarnessError> {
     let folder = layout::tuning_dir(results);
     let trials = if layout::runs_dir(&folder).is_dir() {
-        let (runs, strays) = of_folder(&folder)?;
-        Some(TrialsOverview { runs, strays, has_chosen: layout::choice_file(results).is_file() })
+        let (runs, mut strays) = of_folder(&folder)?;
+        let (chosen, problems) = reports::store::tuning(results);
+        strays.extend(problems);
+        Some(TrialsOverview { runs, strays, has_chosen: chosen.is_some() })
     } else {
         None
     };

@@ -373,6 +373,9 @@ fn a_failed_run_is_kept_until_it_is_asked_to_try_again() {
     let kept = with(&[]);
     assert_eq!(kept.status.code(), Some(1));
     assert!(stderr(&kept).contains("kept from before") && stderr(&kept).contains("--retry-failed"));
+    let priced = with(&["--retry-failed", "--dry-run"]);
+    let said = String::from_utf8_lossy(&priced.stdout);
+    assert!(said.contains("; 2 runs (800 steps) still to do"), "what would go on: {said}");
     // On the CPU the same config fails in the same way, to the same bytes.
     let records = fs::read(run(folder.path()).join(layout::RECORDS)).expect("records");
     let retried = with(&["--retry-failed"]);

@@ -135,6 +135,7 @@ fn answers_that_do_not_fit_are_told_apart() {
         ("sys.exit(0)", "ended (exit status: 0) when it was to answer `propose`"),
         ("self.weights = [1.0]; return 0", "it told no weights when it began"),
         ("self.statistics = {'new': 1}; return 0", "its numbers are [new]; when it began they were []"),
+        ("self.statistics = {'new': 1e39}; return 0", "the number `new` is 1e+39; at most 3.4"),
         ("return Proposal(0, rank=(3, 3))", "rank [3, 3]"),
         ("lesson.confidence(goals=[[1.0]])", "goals of 1 numbers; this task's have 2"),
         ("lesson.confidence(goals=[])", "it asks for the confidence in no goals"),

@@ -146,7 +146,7 @@ const ROBOTICS: Defaults = Defaults { steps: 1_000_000, evaluate_every: 10_000, 
 const HAND: Defaults = Defaults { layers: 3, ..ROBOTICS };
 
 /// Environments that no reference describes are not in here.
-const REFERENCES: [Reference; 5] = [
+const REFERENCES: [Reference; 6] = [
     Reference {
         ids: &["MazeA", "MazeB", "MazeC"],
         dimensions: [2, 2, 2, 50],
@@ -162,9 +162,16 @@ const REFERENCES: [Reference; 5] = [
         training: ROBOTICS,
     },
     Reference {
-        ids: &["FetchPush", "FetchSlide", "FetchPickAndPlace"],
+        ids: &["FetchPush", "FetchSlide"],
         dimensions: [25, 3, 4, 50],
         table: Some(3),
+        maze: false,
+        training: ROBOTICS,
+    },
+    Reference {
+        ids: &["FetchPickAndPlace"],
+        dimensions: [25, 3, 4, 50],
+        table: None,
         maze: false,
         training: ROBOTICS,
     },

@@ -92,7 +92,8 @@ pub fn pack(
     let refused = || HarnessError::unusable(results.display(), PACK);
     let store = Store::read(results)?;
     let (protocols, unreadable) = protocols::protocols(results);
-    check(&store, &unreadable).map_err(refused())?;
+    let (_, damaged) = reports::store::tuning(results);
+    check(&store, &[unreadable, damaged].concat()).map_err(refused())?;
     let chosen = chosen(store.runs(), &packing.policies).map_err(refused())?;
     let tidy = reports::tidy_data(results, &store, options)?;
     let mut contents: BTreeMap<String, Content> = BTreeMap::new();
@@ -214,8 +215,12 @@ fn protocol_files(results: &Path) -> BTreeMap<String, Content> {
 
 /// The heading of a card for results of these protocols.
 fn title(protocols: &[ProtocolCopy]) -> String {
-    let mut names: Vec<&str> = protocols.iter().map(|protocol| protocol.name.as_str()).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for protocol in protocols {
+        if !names.contains(&protocol.name.as_str()) {
+            names.push(&protocol.name);
+        }
+    }
     if names.is_empty() { "Automatic curricula, compared".to_owned() } else { names.join(", ") }
 }
 

@@ -55,7 +55,7 @@ enum Wanted {
 /// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for
 /// it.
 pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
-    let folder = tempfile::tempdir().map_err(HarnessError::system("make a temporary folder"))?;
+    let folder = FreshFolder::temporary(&KIND)?;
     checked(path, folder.path(), Wanted::Results)
 }
 
@@ -80,7 +80,8 @@ fn checked(path: &Path, folder: &Path, wanted: Wanted) -> Result<Unpacked, Harne
         return Err(refused(ArchiveProblem::Empty));
     }
     let store = Store::read(folder).map_err(HarnessError::unusable(path.display(), USE))?;
-    if let Some(problem) = store.problems().first() {
+    let (_, of_choice) = reports::store::tuning(folder);
+    if let Some(problem) = store.problems().iter().chain(&of_choice).next() {
         return Err(refused(ArchiveProblem::Damaged(problem.to_string())));
     }
     Ok(Unpacked { store, sha256 })

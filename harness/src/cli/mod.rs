@@ -13,7 +13,7 @@
 //!    accepted.
 //! 3. A flag that other commands have as well goes into a struct of `cli/flags.rs` with
 //!    `#[command(flatten)]`, so that it is called, explained and read in one way.
-//! 4. Hand the value on as a field of the library's own type (`Conduct`, `Preparation`, `slurm::Request`):
+//! 4. Hand the value on as a field of the library's own type (`Conduct`, `Reopen`, `slurm::Request`):
 //!    the library knows no flags. Where it refuses a value, the command adds the flag's name with
 //!    [`HarnessError::flag`]. A flag that is short for a config field, as `--steps` is, becomes a
 //!    [`ConfigLayer`](crate::config::layer::ConfigLayer) instead.

@@ -81,7 +81,7 @@ fn licence(text: &str) -> Result<String, &'static str> {
 pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
     name_of(&args.out).map_err(|reason| HarnessError::Argument { option: "--out", reason })?;
     outputs::file("--out", &args.out, &[])?;
-    let read = [layout::runs_dir(&args.results), layout::protocols_dir(&args.results)];
+    let read = [layout::runs_dir, layout::protocols_dir, layout::tuning_dir].map(|of| of(&args.results));
     outputs::outside("--out", &args.out, &read)?;
     // In one order, each once: however it is asked for, the same archive.
     let without: BTreeSet<_> = args.without.iter().map(|part| part.file()).collect();

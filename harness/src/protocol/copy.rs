@@ -47,6 +47,8 @@ pub fn bring(source: &Path, out: &Path) -> Result<(), HarnessError> {
 /// Writes `text` into `folder` under this name, or one with a number, unless it lies there already.
 fn place(folder: &Path, name: &str, text: &str) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+    // What was left half-written when another command was killed.
+    guard::fresh::sweep(folder);
     for number in 1.. {
         let number = if number == 1 { String::new() } else { format!("-{number}") };
         let path = folder.join(format!("{name}{number}.toml"));
@@ -184,6 +186,11 @@ mod tests {
         protocol.seeds = vec![7];
         save(&protocol, results.path()).expect("written");
         assert_eq!(copies(results.path()), ["smoke-2.toml", "smoke.toml"]);
+        // What a killed command has left goes with the next copy.
+        let left = layout::protocols_dir(results.path()).join(".goalbench-0123456789ab.new");
+        std::fs::write(&left, "name =").expect("it can be written");
+        save(&protocol, results.path()).expect("there already");
+        assert!(!left.exists());
         // Another machine had one of these, and one of its own.
         let (other, merged) =
             (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));

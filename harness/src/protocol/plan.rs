@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use curricula::Entry;
 use reports::schema::RunKey;
 
-use super::{DEFAULT_VARIANT, Protocol, Variant};
+use super::{DEFAULT_VARIANT, Patch, Protocol, Variant};
 use crate::Registry;
 use crate::config::layer::ConfigLayer;
 use crate::config::{self, RunConfig};
@@ -116,19 +116,28 @@ fn check_number(protocol: &Protocol) -> Result<(), HarnessError> {
     }
 }
 
-/// Resolves every override and variant once, even those that apply to no planned run: a mistyped key in one
-/// of them is reported now, not on the day when it first matters.
+/// Resolves once every override and variant that applies to no planned run: a mistyped key in one of them is
+/// reported now, not on the day when it first matters. All others are resolved with the runs, together with
+/// the layers that may make them valid.
 fn check_patches(protocol: &Protocol, registry: &Registry) -> Result<(), HarnessError> {
-    let variants = protocol.variants.iter().map(|variant| &variant.patch);
-    for patch in protocol.overrides.iter().chain(variants) {
+    let overrides = protocol.overrides.iter().map(|patch| (patch, None));
+    let own = protocol.variants.iter().map(|variant| (&variant.patch, Some(&variant.patch.layer)));
+    for (patch, layer) in overrides.chain(own).filter(|(patch, _)| !is_planned(patch, protocol)) {
         let environment = patch.environments.first().unwrap_or(&protocol.environments[0]);
         let curriculum = patch.curricula.first().unwrap_or(&protocol.curricula[0]);
-        let known = "names were checked when the protocol was read";
-        let spec = &registry.environment(environment).expect(known).spec;
-        let entry = registry.curriculum(curriculum).expect(known);
-        config::resolve(registry, spec, entry, &[protocol.base.clone(), patch.layer.clone()])?;
+        resolve(protocol, registry, environment, curriculum, layer)?;
     }
     Ok(())
+}
+
+/// Whether it applies to a planned run.
+fn is_planned(patch: &Patch, protocol: &Protocol) -> bool {
+    let Protocol { environments, curricula, .. } = protocol;
+    let mut pairs =
+        environments.iter().flat_map(|env| curricula.iter().map(move |curriculum| (env, curriculum)));
+    pairs.any(|(environment, curriculum)| {
+        patch.applies(environment, curriculum) && !variants(protocol, environment, curriculum).is_empty()
+    })
 }
 
 /// # Errors
@@ -180,4 +189,39 @@ pub(super) fn resolve(
         .cloned()
         .collect();
     config::resolve(registry, spec, entry, &layers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "name = 'a-test'\nenvironments = ['Point']\ncurricula = ['teach']\nseeds = [0]\n";
+    const LONG: &str = "[[variant]]\nlabel = 'long'\nset = { curriculum.teach.window = 9000 }\n";
+
+    fn planned(text: &str, options: &[&str]) -> Result<Plan, HarnessError> {
+        let registry = Registry::builtin();
+        let mut protocol = Protocol::parse("a test", text, &registry)?;
+        for option in options {
+            protocol.set(ConfigLayer::from_assignment("--set", option)?);
+        }
+        Plan::new(&protocol, &registry)
+    }
+
+    #[test]
+    fn a_variant_need_only_be_valid_together_with_what_its_runs_have() {
+        // `renewal` must be at least the window; alone, the variant is wrong.
+        assert!(planned(&format!("{HEAD}{LONG}"), &[]).is_err());
+        let renewal = "[[override]]\ncurricula = ['teach']\nset = { curriculum.teach.renewal = 10000 }\n";
+        assert!(planned(&format!("{HEAD}{renewal}{LONG}"), &[]).is_ok());
+        assert!(planned(&format!("{HEAD}{LONG}"), &["curriculum.teach.renewal=10000"]).is_ok());
+    }
+
+    #[test]
+    fn a_mistake_in_what_applies_to_no_run_is_reported() {
+        let elsewhere =
+            |set: &str| format!("{HEAD}[[override]]\nenvironments = ['MazeA']\nset = {{ {set} }}\n");
+        assert!(planned(&elsewhere("student.batch = 8"), &[]).is_ok());
+        let error = planned(&elsewhere("student.bach = 8"), &[]).expect_err("a misspelt key").to_string();
+        assert!(error.contains("bach"), "{error}");
+    }
 }

@@ -55,7 +55,7 @@ mod tests {
     use crate::protocol::Protocol;
     use crate::protocol::plan::Plan;
     use crate::run::folder::State;
-    use crate::sweep::Sweep;
+    use crate::sweep::{Reopen, Sweep};
 
     const TEXT: &str = "
         name = 'a-test'
@@ -76,7 +76,8 @@ mod tests {
         let registry = Registry::builtin();
         let protocol = Protocol::parse("a test", TEXT, &registry).expect("a protocol");
         let plan = Plan::new(&protocol, &registry).expect("a plan");
-        let sweep = Sweep::survey(&plan, Path::new("/nonexistent/results"), false).expect("nothing there");
+        let sweep = Sweep::survey(&plan, Path::new("/nonexistent/results"), Reopen::default())
+            .expect("nothing there");
         sweep.jobs().to_vec()
     }
 

@@ -53,43 +53,47 @@ use signals::Stopper;
 pub struct Sweep {
     results: PathBuf,
     jobs: Vec<Job>,
-    /// Whether runs with a smaller budget are trained on.
-    extend: bool,
+    reopen: Reopen,
 }
 
-/// How to ready a sweep.
+/// Which ended runs go on.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Preparation {
+pub struct Reopen {
+    /// Train runs on that were recorded with a smaller budget and differ in nothing else.
+    pub extend: bool,
     /// Let failed runs go on from their last checkpoint.
     pub retry_failed: bool,
-    /// Write event files for finished runs too.
-    pub tensorboard: bool,
 }
 
 impl Sweep {
-    /// Compares the plan with the results folder and changes nothing. Runs that were recorded with a smaller
-    /// budget, and differ in nothing else, are trained on if `extend` says so.
+    /// Compares the plan with the results folder and changes nothing. Runs that have ended go on if `reopen`
+    /// says so.
     ///
     /// # Errors
     /// [`HarnessError`] if any run of the plan's cells was recorded with another config, other seeds
     /// included, or any run of the plan cannot be read.
-    pub fn survey(plan: &Plan, results: &Path, extend: bool) -> Result<Self, HarnessError> {
+    pub fn survey(plan: &Plan, results: &Path, reopen: Reopen) -> Result<Self, HarnessError> {
         let jobs = plan.runs.iter().map(|run| {
             let manifest = manifest(run);
             let folder = layout::run_dir(results, &run.key);
             Ok(Job { manifest, config: run.config.clone(), folder, state: State::New })
         });
         let jobs = jobs.collect::<Result<_, HarnessError>>()?;
-        let mut sweep = Self { results: results.to_owned(), jobs, extend };
+        let mut sweep = Self { results: results.to_owned(), jobs, reopen };
         sweep.look()?;
+        // Whatever is decided before the folder is taken is decided for these, too.
+        for job in sweep.jobs.iter_mut().filter(|job| reopen.retry_failed && has_failed(job)) {
+            job.state = State::Begun;
+        }
         Ok(sweep)
     }
 
     /// Looks what the folder holds of every run.
     fn look(&mut self) -> Result<(), HarnessError> {
+        let extend = self.reopen.extend;
         for job in &mut self.jobs {
             job.state = folder::inspect(&job.folder, &job.manifest)?;
-            if let (State::Shorter(recorded), false) = (&job.state, self.extend) {
+            if let (State::Shorter(recorded), false) = (&job.state, extend) {
                 let (folder, recorded, wanted) = (job.folder.clone(), *recorded, job.steps());
                 return Err(HarnessError::Shorter { folder, recorded, wanted });
             }
@@ -124,13 +128,13 @@ impl Sweep {
         trial::check(&self.jobs, elsewhere)
     }
 
-    /// Takes the results folder and readies its runs. Another process may have worked there since the survey:
-    /// it looks again.
+    /// Takes the results folder and readies its runs; with `tensorboard`, finished ones get event files, too.
+    /// Another process may have worked there since the survey: it looks again.
     ///
     /// # Errors
     /// [`HarnessError::Locked`] if another process has the folder; whatever keeps it from being read or
     /// written.
-    pub fn prepare(mut self, preparation: Preparation) -> Result<Prepared, HarnessError> {
+    pub fn prepare(mut self, tensorboard: bool) -> Result<Prepared, HarnessError> {
         let is_new = !self.results.exists();
         let lock = Lock::take(&self.results)?;
         self.look()?;
@@ -139,17 +143,18 @@ impl Sweep {
         guard::fresh::sweep(&self.results);
         self.jobs.iter().for_each(|job| guard::fresh::sweep(&job.folder));
         let mut lacks = Vec::new();
+        let retry_failed = self.reopen.retry_failed;
         for job in &mut self.jobs {
             if let State::Shorter(_) = job.state {
                 folder::extend(&job.folder, &job.manifest)?;
                 job.state = folder::inspect(&job.folder, &job.manifest)?;
             }
             match &job.state {
-                State::Ended(Outcome::Failed { .. }) if preparation.retry_failed => {
+                State::Ended(Outcome::Failed { .. }) if retry_failed => {
                     folder::reopen(&job.folder, &job.manifest)?;
                     job.state = State::Begun;
                 }
-                State::Ended(_) if preparation.tensorboard => {
+                State::Ended(_) if tensorboard => {
                     let lack = tracking::catch_up(&job.folder)
                         .map_err(HarnessError::io(&job.folder, "write an event file in this folder"))?;
                     lacks.extend(lack);
@@ -159,6 +164,10 @@ impl Sweep {
         }
         Ok(Prepared { sweep: self, is_new, lacks, _lock: Some(lock) })
     }
+}
+
+fn has_failed(job: &Job) -> bool {
+    matches!(job.state, State::Ended(Outcome::Failed { .. }))
 }
 
 /// A sweep whose runs can be carried out.
@@ -179,7 +188,7 @@ impl Prepared {
     /// [`HarnessError`] if the list or a run's folder is not what was submitted.
     pub fn for_task(list: &Path, index: usize) -> Result<(Self, Conduct), HarnessError> {
         let slurm::Share { results, jobs, conduct } = slurm::share(list, index)?;
-        let sweep = Sweep { results, jobs, extend: false };
+        let sweep = Sweep { results, jobs, reopen: Reopen::default() };
         Ok((Self { sweep, is_new: false, lacks: Vec::new(), _lock: None }, conduct))
     }
 

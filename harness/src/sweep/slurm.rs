@@ -199,7 +199,8 @@ fn new_submission(results: &Path) -> Result<PathBuf, HarnessError> {
         let folder = parent.join(number.to_string());
         match fs::DirBuilder::new().mode(0o777).create(&folder) {
             Ok(()) => return Ok(folder),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            // What a submission that was killed has left half-written there.
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => guard::fresh::sweep(&folder),
             Err(source) => {
                 return Err(HarnessError::Io { path: folder, action: "create this folder", source });
             }

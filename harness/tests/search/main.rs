@@ -3,6 +3,7 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
+mod choice;
 mod draws;
 mod refusals;
 #[path = "../support/mod.rs"]
@@ -165,7 +166,7 @@ fn other_commands_know_both_phases(folder: &Path, out: &Path) {
     assert!(goalbench(&["run", &path, "--out", text(out), "-q"]).status.success());
     assert_eq!(everything(out), before);
     let path = write_protocol(folder, &format!("{TOY}{}", SEARCH.replace("[search]", "[search]\nseed = 1")));
-    refused(&["run", &path, "--out", text(out)], &["recorded with another config"]);
+    refused(&["run", &path, "--out", text(out)], &["another seed of draws: 0 there, 1 here"]);
     assert_eq!(everything(out), before);
 }
 

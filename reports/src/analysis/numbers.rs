@@ -106,6 +106,9 @@ pub fn plots(groups: &Groups<'_>, numbered: impl Fn(&Run) -> Vec<Numbered>) -> V
     all
 }
 
+/// Nothing larger is drawn: sums and axes of such numbers overflow.
+const LARGEST: f64 = f32::MAX as f64;
+
 /// The curve of the number `name`; `None` where no run has it.
 fn curve<'a>(
     key: &GroupKey,
@@ -125,8 +128,8 @@ fn curve<'a>(
         Some(NumberPoint {
             step: stats::mean(steps)?,
             n: values.len(),
-            mean: stats::mean(values)?,
-            std: stats::std_dev(values, DDOF),
+            mean: stats::mean(values).filter(|mean| mean.abs() <= LARGEST)?,
+            std: stats::std_dev(values, DDOF).filter(|std| *std <= LARGEST),
         })
     };
     let points: Vec<NumberPoint> = found.values().filter_map(point).collect();
@@ -158,5 +161,17 @@ mod tests {
         ];
         assert_eq!(curve("loss").map(|curve| curve.points), Some(expected.to_vec()));
         assert_eq!(curve("other"), None);
+    }
+
+    #[test]
+    fn numbers_that_overflow_are_left_out() {
+        let at = |eval_index, number| {
+            vec![Numbered { eval_index, step: eval_index, numbers: vec![("x".to_owned(), Some(number))] }]
+        };
+        let key = GroupKey::new(&Catalogue::default(), "E", "nova", "default");
+        let runs = [at(1, f64::MAX), at(1, f64::MAX), at(2, 3e38), at(2, -3e38), at(3, f64::MIN)];
+        let points = curve(&key, runs.iter(), "x").expect("one point").points;
+        assert_eq!(points, [NumberPoint { step: 2.0, n: 2, mean: 0.0, std: None }], "√2 · 3e38 is too large");
+        assert_eq!(curve(&key, runs[..2].iter(), "x"), None);
     }
 }

@@ -49,8 +49,9 @@ pub fn reliability(estimates: &[f64], outcomes: &[f64], bins: usize) -> Vec<Reli
     assert_eq!(estimates.len(), outcomes.len(), "an outcome for every estimate");
     let mut found = vec![ReliabilityBin::default(); bins];
     for (&estimate, &outcome) in estimates.iter().zip(outcomes) {
-        // A negative number becomes 0 in the cast.
-        let index = ((estimate * bins as f64) as usize).min(bins - 1);
+        // In single precision, as estimates are recorded: the single next to 0.7 is below it, and yet meant to
+        // lie on the border. A negative number becomes 0 in the cast.
+        let index = ((estimate as f32 * bins as f32) as usize).min(bins - 1);
         found[index] =
             found[index].with(&ReliabilityBin { count: 1, estimates: estimate, outcomes: outcome });
     }
@@ -87,6 +88,10 @@ mod tests {
             bins.iter().map(|bin| bin.count).collect()
         };
         assert_eq!(counts(&[0.0, 0.25, 0.49, 0.5, 0.75, 1.0]), [1, 2, 1, 2]);
+        // Estimates that were recorded in single precision: each border of ten bins belongs to the upper one.
+        let borders: Vec<f64> = (0..10u8).map(|border| f64::from(f32::from(border) / 10.0)).collect();
+        let bins = reliability(&borders, &[0.0; 10], 10);
+        assert!(bins.iter().all(|bin| bin.count == 1), "{bins:?}");
         let bins = reliability(&[0.1, 0.2, 0.6, 0.8, 0.9], &[0.0, 0.5, 0.2, 0.8, 0.9], 2);
         // 0.3 against 0.5 in the first bin of two, 2.3 against 1.9 in the second of three: (0.2 + 0.4) / 5.
         assert!((calibration_error(&bins).expect("five estimates") - 0.12).abs() < 1e-12);

@@ -157,7 +157,11 @@ fn distribution(weights: Vec<f64>, goals: usize) -> Result<Distribution, String>
 fn numbers(written: Map<String, Value>) -> Result<Vec<(String, f64)>, String> {
     let number = |(name, value): (String, Value)| match value {
         Value::Null => Ok((name, f64::NAN)),
-        Value::Number(number) => Ok((name, number.as_f64().unwrap_or(f64::NAN))),
+        // Larger ones overflow in means over seeds.
+        Value::Number(number) => match number.as_f64().filter(|number| number.abs() <= f64::from(f32::MAX)) {
+            Some(number) => Ok((name, number)),
+            None => Err(format!("the number `{name}` is {number}; at most {:e} is accepted", f32::MAX)),
+        },
         other => Err(format!("the number `{name}` is {other}; a number or null is accepted")),
     };
     written.into_iter().map(number).collect()

@@ -37,8 +37,10 @@ pub(super) static ROWS: &[Environment] = &[
 ];
 
 /// What Table 1 of the paper prints for all but FetchPickAndPlace.
-const OF_THREE: Option<PaperRow> =
-    Some(PaperRow { action: 3, note: "the environment takes 4 numbers; the last, for the fingers, changes nothing" });
+const OF_THREE: Option<PaperRow> = Some(PaperRow {
+    action: 3,
+    note: "the environment takes 4 numbers; the last, for the fingers, changes nothing",
+});
 
 const fn row(
     id: &'static str,

@@ -12,7 +12,7 @@ use crate::error::HarnessError;
 use crate::outputs;
 use crate::protocol::plan::Plan;
 use crate::sweep::signals::Stopper;
-use crate::sweep::{Conduct, Ending, Endings, Preparation, Sweep, local, reporter};
+use crate::sweep::{Conduct, Ending, Endings, Reopen, Sweep, local, reporter};
 
 /// How often a run whose worker crashed is begun again from its checkpoint.
 const RETRIES: u32 = 1;
@@ -111,7 +111,7 @@ impl RunsArgs {
     pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<EndedRuns>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {
-                check_ended(&Sweep::survey(plan, folder, false)?, folder)?;
+                check_ended(&Sweep::survey(plan, folder, Reopen::default())?, folder)?;
                 return Ok(Some(EndedRuns::Kept(folder.clone())));
             }
             (None, Some(folder)) if folder.exists() => {
@@ -126,11 +126,11 @@ impl RunsArgs {
                 tempfile::tempdir().map_err(HarnessError::io(std::env::temp_dir(), "create a folder in"))?,
             ),
         };
-        let sweep = Sweep::survey(plan, results.path(), false)?;
+        let sweep = Sweep::survey(plan, results.path(), Reopen::default())?;
         sweep.check_device()?;
         local::limits::make_room(self.jobs.for_runs(sweep.open().count()))?;
         sweep.try_out(false)?;
-        let sweep = sweep.prepare(Preparation::default())?;
+        let sweep = sweep.prepare(false)?;
         let workers = self.jobs.for_runs(sweep.open().count());
         let reporter = reporter::for_stderr(sweep.jobs(), workers, self.detail.detail());
         let discard_replay = self.keep.is_none();

@@ -93,16 +93,17 @@ fn price(device: Device, cohorts: &[Vec<PlannedRun>], conduct: Conduct) -> Resul
         )),
         _ => {}
     }
-    let seconds: Vec<f64> = cohorts.iter().filter_map(|cohort| estimates.seconds(cohort)).collect();
-    let longest = seconds.iter().copied().fold(0.0, f64::max);
-    let total: f64 = seconds.iter().sum();
+    let priced = cohorts.iter().filter_map(|cohort| Some((cohort.len(), estimates.seconds(cohort)?)));
+    let priced: Vec<(usize, f64)> = priced.collect();
+    let longest = priced.iter().map(|&(_, seconds)| seconds).fold(0.0, f64::max);
+    let total: f64 = priced.iter().map(|(_, seconds)| seconds).sum();
     // No schedule is shorter than its longest part.
     let wall = (total / workers as f64).max(longest);
     let time = |seconds: f64| human(pace::seconds(seconds));
     print(&match device {
         Device::Cpu => {
-            let threads = |cohort: &Vec<PlannedRun>| conduct.threads.min(cohort.len()) as f64;
-            let cores: f64 = cohorts.iter().map(threads).zip(&seconds).map(|(n, time)| n * time).sum();
+            let cores = priced.iter().map(|&(runs, seconds)| conduct.threads.min(runs) as f64 * seconds);
+            let cores: f64 = cores.sum();
             format!(
                 "at this machine's speed, from their beginning: {:.1} core-hours ({}), {} with {workers} side by side; \
                  longest {unit} {}\n",

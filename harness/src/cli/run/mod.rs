@@ -196,6 +196,10 @@ pub(super) fn run(registry: &Registry, args: &Args) -> Exit {
             "needs --out, since without it the results folder is named after the command, budget included";
         return Err(HarnessError::Argument { option: "--extend", reason: reason.to_owned() });
     }
+    if args.extend && trials.is_some() {
+        let reason = "does not go with [search]: trials of another length can lead to another choice; choose another --out";
+        return Err(HarnessError::Argument { option: "--extend", reason: reason.to_owned() });
+    }
     outputs::folder("--out", &results, &args.protocol.inputs())?;
     match (&trials, args.dry_run) {
         (None, false) => command.carry_out(&plan, &results)?.told(&results, args.json),

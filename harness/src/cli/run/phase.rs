@@ -18,7 +18,7 @@ use crate::sweep::cohort::fewer_than;
 use crate::sweep::lanes::Decided;
 use crate::sweep::signals::Stopper;
 use crate::sweep::slurm::{self, Request, Submitted};
-use crate::sweep::{Conduct, Endings, ExitCode, Job, Lanes, Preparation, Prepared, Sweep, local, reporter};
+use crate::sweep::{Conduct, Endings, ExitCode, Job, Lanes, Prepared, Reopen, Sweep, local, reporter};
 
 /// A command, for each of its plans.
 pub(super) struct Command<'a> {
@@ -56,7 +56,8 @@ impl<'a> Command<'a> {
 
     /// What the folder holds of the plan; refuses a device that is not there.
     pub(super) fn survey(&self, plan: &Plan, folder: &Path) -> Result<Sweep, HarnessError> {
-        let sweep = Sweep::survey(plan, folder, self.args.extend)?;
+        let Args { extend, retry_failed, .. } = *self.args;
+        let sweep = Sweep::survey(plan, folder, Reopen { extend, retry_failed })?;
         if self.args.executor == Executor::Local && !self.args.dry_run {
             sweep.check_device().map_err(HarnessError::flag("--device"))?;
         }
@@ -81,8 +82,7 @@ impl<'a> Command<'a> {
             Executor::Slurm => slurm::check(folder)?,
         }
         sweep.try_out(args.executor == Executor::Slurm)?;
-        let preparation = Preparation { retry_failed: args.retry_failed, tensorboard: args.tensorboard };
-        let sweep = sweep.prepare(preparation)?;
+        let sweep = sweep.prepare(args.tensorboard)?;
         for line in sweep.begun_by_other_builds()? {
             complain(&format!("goalbench: {line}"));
         }

@@ -25,6 +25,7 @@ pub(super) fn run(command: &Command<'_>, trials: &Trials) -> Exit {
     let folder = layout::tuning_dir(results);
     let plan = Plan::new(&trials.protocol, registry)?;
     // Refused now, not after days of trials: the part of the experiment that is known.
+    let stored = tuning::stored(protocol, trials, results)?;
     command.survey(&Plan::new(&protocol.without_search(), registry)?, results)?;
     let endings = match command.carry_out(&plan, &folder)? {
         Done::Submitted(submitted) => {
@@ -44,6 +45,8 @@ pub(super) fn run(command: &Command<'_>, trials: &Trials) -> Exit {
     let plan = Plan::new(&protocol.tuned(trials, &tuning::chosen(&choice)), registry)?;
     // Before the choice is written: runs with other chosen settings are refused, and stay with their choice.
     command.survey(&plan, results)?;
+    tuning::refuse_other_runs(&choice, results)?;
+    let choice = tuning::beside(stored, choice);
     tuning::save(&choice, results)?;
     if !args.json && args.detail.detail() != Detail::Quiet {
         print(&said(&choice, endings.total(), results));
@@ -73,19 +76,21 @@ pub(super) fn dry_run(command: &Command<'_>, trials: &Trials) -> Exit {
     let Command { registry, args, protocol, results, .. } = *command;
     let folder = layout::tuning_dir(results);
     let plan = Plan::new(&trials.protocol, registry)?;
+    let stored = tuning::stored(protocol, trials, results)?;
     let sweep = command.survey(&plan, &folder)?;
     print("phase 1 of 2: trials\n");
     dry::dry_run(registry, args, &plan, &sweep, &folder)?;
     let have_ended = sweep.open().next().is_none();
-    let (experiment, note) = if have_ended {
+    let (plan, note) = if have_ended {
         let choice = tuning::choose(protocol, trials, results)?;
-        (protocol.tuned(trials, &tuning::chosen(&choice)), "")
+        tuning::refuse_other_runs(&choice, results)?;
+        (Plan::new(&protocol.tuned(trials, &tuning::chosen(&choice)), registry)?, "")
     } else {
         let note =
             "; where no trial is better, `tuned` falls away; what is chosen counts as the default settings";
-        (protocol.untuned(trials), note)
+        let before = stored.as_ref().map(tuning::chosen).unwrap_or_default();
+        (Plan::new(&protocol.untuned(trials, &before), registry)?, note)
     };
-    let plan = Plan::new(&experiment, registry)?;
     let sweep = command.survey(&plan, results)?;
     print(&format!("phase 2 of 2: chosen and default settings{note}\n"));
     dry::dry_run(registry, args, &plan, &sweep, results)

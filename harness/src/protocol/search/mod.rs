@@ -30,7 +30,7 @@ pub(crate) struct Search {
     pub(crate) seed: u64,
     ranges: Vec<SettingRange>,
     /// Where it stands.
-    place: String,
+    pub(crate) place: String,
 }
 
 /// What one setting is drawn from.

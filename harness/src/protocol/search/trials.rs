@@ -108,11 +108,14 @@ impl Protocol {
         Self { search: None, ..self.clone() }
     }
 
-    /// The experiment before anything is chosen, as large as it can become: every curriculum with ranges
-    /// stands in it twice, with its default settings.
-    pub(crate) fn untuned(&self, trials: &Trials) -> Self {
-        let mut protocol = self.tuned(trials, &BTreeMap::new());
-        for curriculum in &trials.protocol.curricula {
+    /// The experiment before the trials have ended, as large as it can become: every curriculum with ranges
+    /// stands in it twice, the second time with the settings that were chosen `before`, or else with the
+    /// default ones.
+    pub(crate) fn untuned(&self, trials: &Trials, before: &BTreeMap<String, String>) -> Self {
+        let mut protocol = self.tuned(trials, before);
+        let is_new =
+            |curriculum: &&String| before.get(*curriculum).is_none_or(|label| label == DEFAULT_VARIANT);
+        for curriculum in trials.protocol.curricula.iter().filter(is_new) {
             let patch = patch(vec![curriculum.clone()], Table::new(), "");
             protocol.variants.push(Variant { label: TUNED.to_owned(), patch });
         }

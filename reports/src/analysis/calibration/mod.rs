@@ -54,14 +54,14 @@ impl Judged {
 pub fn of_teacher(run: &Run, frontier: &FrontierFiles, shadow: &ShadowFiles, place: usize) -> Vec<Judged> {
     let end = run.records.last().map_or(0, |record| record.step);
     let watched = shadow.of_run(run);
-    let narrow = |values: &Vec<f32>| values.iter().map(|&value| f64::from(value)).collect::<Vec<f64>>();
+    let widened = |values: &Vec<f32>| values.iter().map(|&value| f64::from(value)).collect::<Vec<f64>>();
     let measures = frontier.of_run(run).iter();
     let judged = measures.map(|measure| {
         let of_shadow = || watched?.measured.get(&measure.eval_index)?.get(place)?.beliefs.as_ref();
         let beliefs = if place == 0 { measure.beliefs.as_ref() } else { of_shadow() };
         let told = |of: fn(&Beliefs) -> Option<&Vec<f32>>| {
             let values = beliefs.and_then(of).filter(|values| values.len() == measure.successes.len());
-            values.map(narrow)
+            values.map(widened)
         };
         Judged {
             eval_index: measure.eval_index,

@@ -143,9 +143,7 @@ impl Panel<'_> {
             .y_label_area_size(Y_TICKS_WIDTH)
             .x_label_area_size(X_TICKS_HEIGHT)
             .build_cartesian_2d(axis(), axis())?;
-        let pixel = |chart: &Chart<'_, '_>, x: f64, y: f64| {
-            chart.backend_coord(&(x, y.clamp(0.0, 1.0)))
-        };
+        let pixel = |chart: &Chart<'_, '_>, x: f64, y: f64| chart.backend_coord(&(x, y.clamp(0.0, 1.0)));
         let bars = self.bars();
         for (low, share) in bars {
             let corners = [(low, share), (low + 1.0 / BINS as f64, 0.0)];

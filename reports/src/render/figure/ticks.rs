@@ -36,8 +36,10 @@ pub(super) fn between(low: f64, high: f64, most: u64) -> Vec<f64> {
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= rough);
     let step = step.unwrap_or(10.0 * decade);
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    // As many digits as tell neighbours apart.
+    let digits = ((low.abs().max(high.abs()) / step).log10().ceil() as usize).clamp(6, 15);
     // Through decimal text, which has no rounding error to show in a label.
-    let tick = |i: i64| format!("{:.6e}", i as f64 * step).parse().unwrap_or(i as f64 * step);
+    let tick = |i: i64| format!("{:.digits$e}", i as f64 * step).parse().unwrap_or(i as f64 * step);
     (first..=last).map(tick).collect()
 }
 
@@ -97,6 +99,8 @@ mod tests {
         assert_eq!(between(0.013, 0.052, 4), [0.02, 0.03, 0.04, 0.05]);
         assert_eq!(between(-0.2, 0.2, 4), [-0.2, -0.1, 0.0, 0.1, 0.2]);
         assert_eq!(between(1.0, 1.0, 4), [1.0]);
+        assert_eq!(between(1e8, 1e8 + 10.0, 4), [1e8, 1e8 + 5.0, 1e8 + 10.0]);
+        assert_eq!(between(-3.4e38, 3.4e38, 4), [-2e38, 0.0, 2e38]);
         let labels = [0.0, -5.0, 0.05, 2e-6, 20_000.0, -1.5e6, 1e12].map(number);
         assert_eq!(labels, ["0", "-5", "0.05", "2e-6", "20k", "-1.5M", "1e12"]);
     }
