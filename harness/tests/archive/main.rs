@@ -368,3 +368,29 @@ fn archives_that_cannot_stand_beside_the_results_are_refused() {
     refused(&["report", text(&own), "--with", "/nowhere/x.tar.zst"], &["--with", "/nowhere/x.tar.zst"]);
     assert!(!own.join("report").exists());
 }
+
+#[test]
+fn runs_that_failed_are_results_like_any_others() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let (results, packed, unpacked) = (at("results"), at("packed.tar.zst"), at("unpacked"));
+    trained(&results, "her-iid", &[]);
+    // Learning rates beyond all reason: the student diverges.
+    let wild = ["--set", "student.actor_lr=1e30", "--set", "student.critic_lr=1e30"];
+    let toy = TOY.iter().map(|&arg| if arg == "teach,her-iid" { "space" } else { arg });
+    let args: Vec<&str> = toy.chain(["--out", text(&results), "--quiet"]).chain(wild).collect();
+    assert_eq!(goalbench(&args).status.code(), Some(1), "they fail");
+    let said = works(&["pack", text(&results), "--out", text(&packed)]);
+    assert!(said.contains("4 runs, 1 policy"), "failed runs have no policy that is worth packing: {said}");
+    works(&["unpack", text(&packed), "--out", text(&unpacked)]);
+    let failed = |results: &Path| {
+        let output = goalbench(&["status", text(results)]);
+        String::from_utf8_lossy(&output.stdout).contains("2 failed")
+    };
+    assert!(failed(&results) && failed(&unpacked));
+    let elsewhere = at("elsewhere");
+    trained(&elsewhere, "teach", &[]);
+    let output = goalbench(&["report", text(&elsewhere), "--with", text(&packed), "--quiet"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(elsewhere.join("report/index.html").is_file(), "{said}");
+}

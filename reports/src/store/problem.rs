@@ -22,6 +22,11 @@ impl StoreProblem {
     pub fn hides_runs(&self) -> bool {
         matches!(self.fault, Fault::Unreadable { .. })
     }
+
+    /// Whether it says how a run ended, which is a result: nothing is damaged.
+    pub fn is_an_ending(&self) -> bool {
+        matches!(self.fault, Fault::Failed { .. })
+    }
 }
 
 impl std::fmt::Display for StoreProblem {
