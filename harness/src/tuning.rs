@@ -1,5 +1,5 @@
-//! What a search chose: from the records of its trials to the file that says which settings, and why. A choice
-//! is made once: what was run with it stands beside it.
+//! What a search chose: from the records of its trials to the file that says which settings, and why. A
+//! choice is made once: what was run with it stands beside it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -99,8 +99,8 @@ pub(crate) fn chosen(tuning: &Tuning) -> BTreeMap<String, String> {
 /// What an earlier command chose in `results`, unless this one would choose by something else.
 ///
 /// # Errors
-/// [`HarnessError::Damaged`] if the choice there is none, [`HarnessError::Protocol`] naming what it was made by
-/// and what this search goes by.
+/// [`HarnessError::Damaged`] if the choice there is none, [`HarnessError::Protocol`] naming what it was made
+/// by and what this search goes by.
 pub(crate) fn stored(
     protocol: &Protocol,
     trials: &Trials,

@@ -28,8 +28,8 @@ pub(super) struct Args {
     /// and variant), `all`, `none`, or seeds such as 0..3
     #[arg(long, value_name = "WHICH", default_value = "first", value_parser = policies)]
     policies: PolicyChoice,
-    /// What stays behind of every run, separated by commas. Most of an archive is `teaching`, what the teacher
-    /// did; maps and films of where teachers sent students, and the ranks of their picks, need it
+    /// What stays behind of every run, separated by commas. Most of an archive is `teaching`, what the
+    /// teacher did; maps and films of where teachers sent students, and the ranks of their picks, need it
     #[arg(long, value_name = "WHAT,...", value_delimiter = ',')]
     without: Vec<Part>,
     /// Licence of the data, as an SPDX id

@@ -49,8 +49,8 @@ pub fn reliability(estimates: &[f64], outcomes: &[f64], bins: usize) -> Vec<Reli
     assert_eq!(estimates.len(), outcomes.len(), "an outcome for every estimate");
     let mut found = vec![ReliabilityBin::default(); bins];
     for (&estimate, &outcome) in estimates.iter().zip(outcomes) {
-        // In single precision, as estimates are recorded: the single next to 0.7 is below it, and yet meant to
-        // lie on the border. A negative number becomes 0 in the cast.
+        // In single precision, as estimates are recorded: the single next to 0.7 is below it, and yet meant
+        // to lie on the border. A negative number becomes 0 in the cast.
         let index = ((estimate as f32 * bins as f32) as usize).min(bins - 1);
         found[index] =
             found[index].with(&ReliabilityBin { count: 1, estimates: estimate, outcomes: outcome });
