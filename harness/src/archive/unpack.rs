@@ -52,8 +52,8 @@ enum Wanted {
 /// folder. It is unpacked into a temporary folder that is gone afterwards.
 ///
 /// # Errors
-/// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::System`] if there is no room for
-/// it.
+/// [`HarnessError::Unusable`] with an [`ArchiveProblem`]; [`HarnessError::Io`] if no temporary folder can be
+/// made for it.
 pub fn unpack(path: &Path) -> Result<Unpacked, HarnessError> {
     let folder = FreshFolder::temporary(&KIND)?;
     checked(path, folder.path(), Wanted::Results)
