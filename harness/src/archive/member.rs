@@ -4,7 +4,7 @@ use std::path::Path;
 
 use reports::store::layout;
 
-use super::{CARD, SUMS};
+use super::{CARD, POLICIES, SUMS};
 use crate::export::{ABOUT, NUMBERS};
 
 /// What becomes of a file of an archive when it is unpacked.
@@ -41,7 +41,7 @@ pub(super) fn member(name: &str) -> Option<Member> {
         ["runs", run @ .., file] if run.len() == layout::DEPTH && is_run(run) => {
             layout::FILES.iter().any(|row| row.packed && row.name == *file).then_some(Member::Results)
         }
-        ["policies", run @ .., file] if run.len() == layout::DEPTH && is_run(run) => {
+        [POLICIES, run @ .., file] if run.len() == layout::DEPTH && is_run(run) => {
             [NUMBERS, ABOUT].contains(file).then_some(Member::Beside)
         }
         _ => None,

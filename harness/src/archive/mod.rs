@@ -31,6 +31,8 @@ pub use unpack::{Unpacked, unpack, unpack_to};
 const ROOT: &str = "goalbench-results";
 /// Name of the list of checksums, the first file of an archive.
 const SUMS: &str = "SHA256SUMS";
+/// Name of the folder of exported policies, in an archive and beside the runs that came out of one.
+const POLICIES: &str = "policies";
 /// Name of the dataset card.
 const CARD: &str = "DATA.md";
 /// How names of archives end.

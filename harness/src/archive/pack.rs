@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use guard::{files, fresh};
 use reports::ReportOptions;
-use reports::schema::RunKey;
+use reports::schema::{Manifest, RunKey};
 use reports::store::checksums::Checksums;
 use reports::store::problem::StoreProblem;
 use reports::store::protocols::{self, ProtocolCopy};
@@ -18,7 +18,7 @@ use super::card::Card;
 use super::member::member;
 use super::problem::PackProblem;
 use super::sums::{self, Summing, Sums};
-use super::{CARD, MOST_BYTES, MOST_FILES, ROOT, SUMS};
+use super::{CARD, MOST_BYTES, MOST_FILES, POLICIES, ROOT, SUMS};
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::export::ExportedPolicy;
@@ -108,9 +108,8 @@ pub fn pack(
         contents.insert(format!("{}/{}", layout::TUNING, layout::CHOICE), Content::File(choice));
     }
     for run in &chosen {
-        let policy = Policy::read(registry, &layout::run_dir(results, run))?;
-        for (name, bytes) in ExportedPolicy::of(registry, &policy)?.files() {
-            contents.insert(format!("policies/{run}/{name}"), Content::Bytes(bytes.to_vec()));
+        for (name, bytes) in policy(registry, results, &run.manifest)?.files() {
+            contents.insert(format!("{POLICIES}/{}/{name}", run.key()), Content::Bytes(bytes.to_vec()));
         }
     }
     let title = packing.title.clone().unwrap_or_else(|| title(&protocols));
@@ -144,24 +143,43 @@ fn check(store: &Store, unreadable: &[StoreProblem]) -> Result<(), PackProblem> 
 }
 
 /// The runs whose policies are packed, of all `runs` by rising key.
-fn chosen(runs: &[Run], choice: &PolicyChoice) -> Result<Vec<RunKey>, PackProblem> {
-    let finished = || runs.iter().filter(|run| run.is_finished()).map(Run::key);
-    let cell = |run: &RunKey| [run.environment.clone(), run.curriculum.clone(), run.variant.clone()];
+fn chosen<'a>(runs: &'a [Run], choice: &PolicyChoice) -> Result<Vec<&'a Run>, PackProblem> {
+    let finished = || runs.iter().filter(|run| run.is_finished());
+    let cell = |run: &Run| {
+        let RunKey { environment, curriculum, variant, .. } = run.key();
+        [environment, curriculum, variant].map(Clone::clone)
+    };
     Ok(match choice {
-        PolicyChoice::All => finished().cloned().collect(),
+        PolicyChoice::All => finished().collect(),
         PolicyChoice::None => Vec::new(),
         PolicyChoice::First => {
-            let mut first: Vec<RunKey> = finished().cloned().collect();
+            let mut first: Vec<&Run> = finished().collect();
             first.dedup_by_key(|run| cell(run));
             first
         }
         PolicyChoice::Seeds(seeds) => {
-            if let Some(&seed) = seeds.iter().find(|seed| finished().all(|run| run.seed != **seed)) {
+            if let Some(&seed) = seeds.iter().find(|seed| finished().all(|run| run.key().seed != **seed)) {
                 return Err(PackProblem::NoPolicy(seed));
             }
-            finished().filter(|run| seeds.contains(&run.seed)).cloned().collect()
+            finished().filter(|run| seeds.contains(&run.key().seed)).collect()
         }
     })
+}
+
+/// The policy of the run of `manifest`, from its checkpoint. A run that came out of an archive has none, but
+/// its policy may have come with it.
+///
+/// # Errors
+/// [`HarnessError`] if there is neither, or one that is damaged.
+fn policy(registry: &Registry, results: &Path, manifest: &Manifest) -> Result<ExportedPolicy, HarnessError> {
+    let folder = RunFolder::of(results, &manifest.run);
+    if !folder.has(layout::CHECKPOINT)? {
+        let beside = results.join(POLICIES).join(manifest.run.to_string());
+        if let Some(kept) = ExportedPolicy::kept(&beside, manifest)? {
+            return Ok(kept);
+        }
+    }
+    ExportedPolicy::of(registry, &Policy::read(registry, folder.path())?)
 }
 
 /// The packed files of a run that are there, without those of these names.

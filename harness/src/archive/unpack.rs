@@ -13,7 +13,7 @@ use tar::{Entry, EntryType};
 use super::member::{Member, TIDY, member};
 use super::problem::ArchiveProblem;
 use super::sums::{self, Summing, Sums};
-use super::{CARD, MOST_BYTES, MOST_FILES, ROOT, SUMS};
+use super::{CARD, MOST_BYTES, MOST_FILES, POLICIES, ROOT, SUMS};
 use crate::error::HarnessError;
 use crate::fresh_folder::{FolderKind, FreshFolder};
 
@@ -36,7 +36,7 @@ const MOST_OF_SUMS: u64 = 64 << 20;
 /// What is unpacked, by which leftovers of killed processes are known.
 const KIND: FolderKind = FolderKind {
     prefix: ".goalbench-unpack-",
-    holds: &["runs", "protocols", "policies", layout::TUNING, CARD, SUMS, TIDY[0], TIDY[1]],
+    holds: &["runs", "protocols", POLICIES, layout::TUNING, CARD, SUMS, TIDY[0], TIDY[1]],
 };
 
 /// Which files of an archive are put into a folder. All are checked.

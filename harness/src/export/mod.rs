@@ -4,6 +4,7 @@
 //! this program nor its checkpoints.
 
 mod about;
+mod kept;
 
 use std::collections::HashMap;
 use std::fs;

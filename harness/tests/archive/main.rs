@@ -188,6 +188,38 @@ fn unpacked_results_give_the_same_report() {
     }
 }
 
+/// Whoever is given an archive can give it on, with the policies and with further runs.
+#[test]
+fn unpacked_results_are_packed_again_with_their_policies() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    trained(&at("results"), "teach,her-iid", &[]);
+    let [first, second] = ["first.tar.zst", "second.tar.zst"].map(at);
+    works(&["pack", text(&at("results")), "--out", text(&first)]);
+    works(&["unpack", text(&first), "--out", text(&at("unpacked"))]);
+    works(&["pack", text(&at("unpacked")), "--out", text(&second)]);
+    assert!(fs::read(&first).expect("an archive") == fs::read(&second).expect("an archive"));
+
+    let policy = |seed| format!("policies/Point/teach/default/seed-{seed}/policy.safetensors");
+    trained(&at("unpacked"), "teach,her-iid", &["--seeds", "2"]);
+    works(&["pack", text(&at("unpacked")), "--out", text(&second), "--policies", "0,2"]);
+    let more = files(&second);
+    assert!(more[&policy(0)] == files(&first)[&policy(0)] && more.contains_key(&policy(2)));
+    assert_eq!(more.keys().filter(|name| name.ends_with("manifest.json")).count(), 6);
+
+    let pack = ["pack", text(&at("unpacked")), "--out", text(&at("third.tar.zst"))].map(str::to_owned);
+    let pack = pack.each_ref().map(String::as_str);
+    refused(&[&pack[..], &["--policies", "1"]].concat(), &["seed-1", "checkpoint.bin", "is missing"]);
+    let altered = at("unpacked").join(policy(0));
+    let mut bytes = fs::read(&altered).expect("a policy");
+    *bytes.last_mut().expect("numbers") ^= 1;
+    fs::write(&altered, bytes).expect("it can be written");
+    refused(&pack, &["policies/Point/teach/default/seed-0", "not the policy of the run", "unpack"]);
+    fs::remove_file(&altered).expect("it can be removed");
+    refused(&pack, &["policy.safetensors", "cannot read this file"]);
+    assert!(!at("third.tar.zst").exists());
+}
+
 #[test]
 fn what_cannot_be_unpacked_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a temporary folder");

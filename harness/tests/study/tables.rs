@@ -1,0 +1,260 @@
+//! The tables of the study's page, made from the tables of a report.
+//!
+//! In the page a table stands between two comments, the first of which says what it is:
+//!
+//! ```text
+//! <!-- table: area laptop -->
+//! ...
+//! <!-- end of table -->
+//! ```
+
+use std::path::Path;
+
+use goalbench::Registry;
+
+use crate::sheet::{Row, Sheet};
+
+const BEGIN: &str = "<!-- table: ";
+const END: &str = "<!-- end of table -->";
+
+/// `page` with every table made from the report of the part that it names; `report` gives the folder of that
+/// part's report.
+pub(crate) fn remade<'a>(page: &str, report: impl Fn(&str) -> &'a Path) -> String {
+    let mut parts = page.split(BEGIN);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (what, rest) = part.split_once(" -->\n").expect("a comment says what the table is");
+        let (_, rest) = rest.split_once(END).expect("a comment ends the table");
+        let words: Vec<&str> = what.split(' ').collect();
+        let [kind, part, ids @ ..] = words.as_slice() else { panic!("`{what}` names a kind and a part") };
+        let lines = table(kind, report(part), ids).join("\n");
+        text += &format!("{BEGIN}{what} -->\n{lines}\n{END}{rest}");
+    }
+    text
+}
+
+/// The lines of a table of this kind. `ids` are claims, where it is about claims.
+fn table(kind: &str, report: &Path, ids: &[&str]) -> Vec<String> {
+    match kind {
+        "area" => by_environment(report, |row| spread(row, "auc_mean", "auc_std"), Some("auc_mean")),
+        "final" => by_environment(report, |row| spread(row, "final_mean", "final_std"), Some("final_mean")),
+        "steps" => by_environment(
+            report,
+            |row| format!("{} / {}", count(row.number("steps_to_50")), count(row.number("steps_to_80"))),
+            None,
+        ),
+        "comparisons" => comparisons(report),
+        "claims" => claims(report, ids),
+        "readings" => readings(report, ids),
+        _ => panic!("no table is called {kind}"),
+    }
+}
+
+/// A row per method, a column per environment, and one for the mean of `average` over them.
+fn by_environment(report: &Path, cell: impl Fn(Row<'_>) -> String, average: Option<&str>) -> Vec<String> {
+    let sheet = Sheet::read(report, "summary");
+    let (mut environments, mut methods) = (Vec::new(), Vec::new());
+    for row in sheet.rows() {
+        keep(&mut environments, row.text("environment"));
+        keep(&mut methods, method(row));
+    }
+    let mut head = vec!["".to_owned()];
+    head.extend(environments.iter().cloned());
+    head.extend(average.map(|_| "mean".to_owned()));
+    let body = methods.iter().map(|name| {
+        let here: Vec<Row<'_>> = sheet.rows().filter(|row| method(*row) == *name).collect();
+        let mut cells = vec![name.clone()];
+        cells.extend(environments.iter().map(|environment| {
+            let row = here.iter().find(|row| row.text("environment") == *environment);
+            row.map_or_else(|| "–".to_owned(), |row| cell(*row))
+        }));
+        cells.extend(average.map(|column| {
+            let values: Vec<f64> = here.iter().filter_map(|row| row.number(column)).collect();
+            if values.len() == environments.len() {
+                rate(reports::stats::mean(&values))
+            } else {
+                "–".to_owned()
+            }
+        }));
+        cells
+    });
+    markdown(&head, body)
+}
+
+/// Methods against the first one, in single environments.
+fn comparisons(report: &Path) -> Vec<String> {
+    let head = ["", "against", "environment", "difference", "95 %", "pairs ahead", "p (Holm)", "detectable"];
+    let sheet = Sheet::read(report, "comparisons");
+    let body = sheet.rows().filter(|row| row.text("family") == "methods").map(|row| {
+        vec![
+            method(row),
+            title(&row.text("reference_curriculum")),
+            row.text("environment"),
+            signed(row.number("difference")),
+            interval(row, "difference_ci_low", "difference_ci_high"),
+            rate(row.number("improvement")),
+            p_value(row.number("p_holm")),
+            rate(row.number("detectable")),
+        ]
+    });
+    markdown(&head.map(str::to_owned), body)
+}
+
+/// Claims of the ledger: what was found, and what their test can find.
+fn claims(report: &Path, ids: &[&str]) -> Vec<String> {
+    let head = [
+        "claim",
+        "verdict",
+        "effect",
+        "interval",
+        "level",
+        "pairs ahead",
+        "p (signs)",
+        "pairs",
+        "detectable",
+    ];
+    let sheet = Sheet::read(report, "ledger");
+    let body = ids.iter().map(|id| {
+        let row = sheet.rows().find(|row| row.text("claim") == *id).expect("a claim of the ledger");
+        let value = row.text("value");
+        let of = if value.is_empty() { String::new() } else { format!(", {value}") };
+        let mut cells = vec![format!("`{id}`{of}"), format!("**{}**", row.text("verdict"))];
+        cells.extend(effect(row));
+        cells.extend([count(row.number("pairs")), rate(detectable(row))]);
+        cells
+    });
+    markdown(&head.map(str::to_owned), body)
+}
+
+/// Claims about baselines under every reading of the paper.
+fn readings(report: &Path, ids: &[&str]) -> Vec<String> {
+    let head = ["claim", "reading", "verdict", "effect", "interval", "level", "pairs ahead", "p (signs)"];
+    let sheet = Sheet::read(report, "readings");
+    let (mut claim, mut body) = (String::new(), Vec::new());
+    for row in sheet.rows() {
+        // What a claim comes to under all readings follows them, without its name.
+        let is_remark = row.text("claim").is_empty();
+        if !is_remark {
+            claim = row.text("claim");
+        }
+        if !ids.contains(&claim.as_str()) {
+            continue;
+        }
+        let family = row.text("family");
+        let at = if family.is_empty() { family } else { format!(" (at {family})") };
+        let (reading, effect) = if is_remark {
+            (format!("all together{at}"), [const { String::new() }; 5])
+        } else {
+            (format!("{}{at}", row.text("settings")), effect(row))
+        };
+        let mut cells = vec![format!("`{claim}`"), reading, format!("**{}**", row.text("verdict"))];
+        cells.extend(effect);
+        body.push(cells);
+    }
+    let found = |id: &&str| body.iter().any(|cells| cells[0] == format!("`{id}`"));
+    assert!(ids.iter().all(found), "the readings have all of {ids:?}");
+    markdown(&head.map(str::to_owned), body.into_iter())
+}
+
+/// Difference, interval, level, share of pairs ahead and the p-value of their signs.
+fn effect(row: Row<'_>) -> [String; 5] {
+    let level = row.number("confidence").map_or_else(String::new, |confidence| {
+        let percent = format!("{:.2}", 100.0 * confidence);
+        format!("{} %", percent.trim_end_matches('0').trim_end_matches('.'))
+    });
+    [
+        signed(row.number("effect")),
+        interval(row, "ci_low", "ci_high"),
+        level,
+        rate(row.number("improvement")),
+        p_value(row.number("improvement_p")),
+    ]
+}
+
+/// The smallest true difference that a test with the interval of `row` finds with a power of 0.8, were the
+/// statistic normal: h (z(1 - α/2) + z(0.8)) / z(1 - α/2) with half the interval's width h and its level α.
+fn detectable(row: Row<'_>) -> Option<f64> {
+    let (low, high) = (row.number("ci_low")?, row.number("ci_high")?);
+    Some(detectable_by((high - low) / 2.0, row.number("confidence")?))
+}
+
+fn detectable_by(half_width: f64, confidence: f64) -> f64 {
+    let critical = normal_quantile((1.0 + confidence) / 2.0);
+    half_width * (critical + normal_quantile(0.8)) / critical
+}
+
+/// The standard normal's quantile for a probability above one half.
+fn normal_quantile(probability: f64) -> f64 {
+    use statrs::distribution::{ContinuousCDF, Normal};
+    Normal::standard().inverse_cdf(probability)
+}
+
+#[test]
+fn a_test_finds_more_than_half_of_its_interval() {
+    // z(0.975) = 1.959964 and z(0.8) = 0.841621: (1.959964 + 0.841621) / 1.959964 = 1.429406.
+    assert!((detectable_by(0.1, 0.95) - 0.142_940_6).abs() < 1e-6);
+}
+
+/// `TEACH`; `TEACH (n3)` for a variant.
+fn method(row: Row<'_>) -> String {
+    let (title, variant) = (title(&row.text("curriculum")), row.text("variant"));
+    if variant == "default" { title } else { format!("{title} ({variant})") }
+}
+
+fn title(curriculum: &str) -> String {
+    Registry::builtin().curriculum(curriculum).expect("a curriculum of the registry").title.to_owned()
+}
+
+fn spread(row: Row<'_>, mean: &str, std: &str) -> String {
+    format!("{} ± {}", rate(row.number(mean)), rate(row.number(std)))
+}
+
+fn interval(row: Row<'_>, low: &str, high: &str) -> String {
+    match (row.number(low), row.number(high)) {
+        (Some(low), Some(high)) => format!("[{}, {}]", signed(Some(low)), signed(Some(high))),
+        _ => "–".to_owned(),
+    }
+}
+
+fn rate(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.3}"))
+}
+
+fn signed(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:+.3}"))
+}
+
+fn p_value(value: Option<f64>) -> String {
+    match value {
+        None => "–".to_owned(),
+        Some(p) if p < 0.0001 => "< 0.0001".to_owned(),
+        Some(p) => format!("{p:.4}"),
+    }
+}
+
+/// `15,000`.
+fn count(value: Option<f64>) -> String {
+    value.map_or_else(
+        || "–".to_owned(),
+        |value| {
+            let digits = format!("{value:.0}");
+            let head = digits.len() % 3;
+            let groups =
+                digits.as_bytes()[head..].chunks(3).map(|group| String::from_utf8_lossy(group).into_owned());
+            let all: Vec<String> = [digits[..head].to_owned()].into_iter().chain(groups).collect();
+            all.join(",").trim_start_matches(',').to_owned()
+        },
+    )
+}
+
+fn keep(list: &mut Vec<String>, item: String) {
+    if !list.contains(&item) {
+        list.push(item);
+    }
+}
+
+fn markdown(head: &[String], body: impl Iterator<Item = Vec<String>>) -> Vec<String> {
+    let line = |cells: &[String]| format!("| {} |", cells.join(" | "));
+    let rule = format!("|{}", "---|".repeat(head.len()));
+    [line(head), rule].into_iter().chain(body.map(|cells| line(&cells))).collect()
+}
