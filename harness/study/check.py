@@ -3,8 +3,9 @@
 
     python harness/study/check.py RESULTS [REPORT]
 
-RESULTS is what `goalbench unpack` makes of an archive, REPORT is RESULTS/report. Written from harness/docs/reports.md, not from
-the program: it shares neither code nor random numbers with it. Needs NumPy. Exit code 1 if anything disagrees.
+RESULTS is what `goalbench unpack` makes of an archive, REPORT is RESULTS/report. The rules are those of
+harness/docs/reports.md; neither code nor random numbers are the program's. Needs NumPy. Exit code 1 if anything
+disagrees.
 """
 
 import csv
@@ -48,9 +49,9 @@ def noise(curve):
 
 
 def steps_to(curve, rate):
-    """The first evaluation of at least `rate` from which on the mean of five is no lower; infinite without one."""
+    """The first evaluation of at least `rate` that begins five whose mean is no lower; infinite without one."""
     steps, rates = curve
-    for i in range(len(rates)):
+    for i in range(len(rates) - WINDOW + 1):
         if rates[i] >= rate and rates[i:i + WINDOW].mean() >= rate - 1e-12:
             return steps[i]
     return math.inf
@@ -143,8 +144,8 @@ class Effect:
 
     def p_beyond(self, place, bound, direction):
         directed = self.places[place] * direction
-        p = lambda values: Test([values]).p() if values.mean() > 1e-12 else 1.0
-        return max(p(directed - bound), p(np.sign(directed)))
+        sides = [directed - bound, np.sign(directed)]
+        return max(Test([values]).p() if values.mean() > 1e-12 else 1.0 for values in sides)
 
     def beyond(self, bound, direction, level):
         """Environments beyond `bound` in `direction` (a function of the place), corrected."""
@@ -286,8 +287,12 @@ def ledger(runs, report, check):
     check.effect(row["claim"], effect, row, ALPHA)
     if ("teach", "n3") not in present:
         return
-    against = lambda variants, other, measure: {v: Effect(runs, ("teach", v), ("teach", other), measure) for v in variants}
-    windows, deltas = against(["n3", "n5", "n20"], "default", final), against(["d5", "d10", "d50"], "default", final)
+
+    def against(variants, other, measure):
+        return {variant: Effect(runs, ("teach", variant), ("teach", other), measure) for variant in variants}
+
+    windows = against(["n3", "n5", "n20"], "default", final)
+    deltas = against(["d5", "d10", "d50"], "default", final)
     areas = against(["d5", "d10", "d50"], "default", area)
     noises = against(["n20"], "default", noise)
     smooth = against(["n3+target-critic"], "n3", final)

@@ -132,8 +132,7 @@ pub fn pack(
 /// [`PackProblem`] if results are not whole.
 fn check(store: &Store, unreadable: &[StoreProblem]) -> Result<(), PackProblem> {
     let lines = |problems: Vec<String>| problems.join("\n  ");
-    let problems = store.problems().iter().chain(unreadable).filter(|problem| !problem.is_an_ending());
-    let problems: Vec<String> = problems.map(ToString::to_string).collect();
+    let problems: Vec<String> = store.damages().chain(unreadable).map(ToString::to_string).collect();
     if !problems.is_empty() {
         return Err(PackProblem::Damaged(lines(problems)));
     }

@@ -81,7 +81,7 @@ fn checked(path: &Path, folder: &Path, wanted: Wanted) -> Result<Unpacked, Harne
     }
     let store = Store::read(folder).map_err(HarnessError::unusable(path.display(), USE))?;
     let (_, of_choice) = reports::store::tuning(folder);
-    if let Some(problem) = store.problems().iter().chain(&of_choice).find(|problem| !problem.is_an_ending()) {
+    if let Some(problem) = store.damages().chain(&of_choice).next() {
         return Err(refused(ArchiveProblem::Damaged(problem.to_string())));
     }
     Ok(Unpacked { store, sha256 })

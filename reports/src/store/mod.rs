@@ -153,6 +153,12 @@ impl Store {
         &self.problems
     }
 
+    /// What of it is damaged or belongs nowhere: its [problems](Self::problems) but for runs that failed, which
+    /// are results like any others.
+    pub fn damages(&self) -> impl Iterator<Item = &StoreProblem> {
+        self.problems.iter().filter(|problem| !problem.is_an_ending())
+    }
+
     /// Number of evaluations in all runs.
     pub fn len(&self) -> usize {
         self.runs.iter().map(|run| run.records.len()).sum()

@@ -24,7 +24,7 @@ impl StoreProblem {
     }
 
     /// Whether it says how a run ended, which is a result: nothing is damaged.
-    pub fn is_an_ending(&self) -> bool {
+    pub(super) fn is_an_ending(&self) -> bool {
         matches!(self.fault, Fault::Failed { .. })
     }
 }

@@ -55,7 +55,9 @@ fn vector(numbers: &[Value], width: usize) -> Result<Vec<f64>, String> {
     // Students and records have goals in single precision.
     let fits = |number: &f64| (*number as f32).is_finite();
     let number = |(i, value): (usize, &Value)| {
-        value.as_f64().filter(fits).ok_or_else(|| format!("number {i} of the goal is {}", short(value)))
+        value.as_f64().filter(fits).ok_or_else(|| {
+            format!("number {i} of the goal is {}; numbers up to {:e} are accepted", short(value), f32::MAX)
+        })
     };
     numbers.iter().enumerate().map(number).collect()
 }
