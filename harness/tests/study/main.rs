@@ -1,5 +1,5 @@
-//! The laptop study: its archives hold runs of what was registered, and the tables and the figure of its page are made
-//! from them.
+//! The laptop study: its archives hold runs of what was registered, and the tables of its page are made from
+//! them.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 

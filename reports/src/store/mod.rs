@@ -153,8 +153,8 @@ impl Store {
         &self.problems
     }
 
-    /// What of it is damaged or belongs nowhere: its [problems](Self::problems) but for runs that failed, which
-    /// are results like any others.
+    /// What of it is damaged or belongs nowhere: its [problems](Self::problems) but for runs that failed,
+    /// which are results like any others.
     pub fn damages(&self) -> impl Iterator<Item = &StoreProblem> {
         self.problems.iter().filter(|problem| !problem.is_an_ending())
     }
