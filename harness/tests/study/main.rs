@@ -2,62 +2,82 @@
 //! them.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
 
+mod part;
 mod sheet;
 #[path = "../support/mod.rs"]
 mod support;
 mod tables;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use goalbench::Registry;
-use goalbench::archive;
-use goalbench::protocol::plan::{Plan, PlannedRun};
-use goalbench::protocol::presets::PRESETS;
-use reports::store::Run;
+use part::{PARTS, Part};
 use support::{goalbench, stderr};
-use tables::remade;
+use tables::{BEGIN, remade};
 
-/// The parts of the study: presets, and names of archives.
-const PARTS: [&str; 2] = ["laptop", "laptop-ablations"];
+/// Where this variable is set, the page's tables and its figure are written instead of compared.
+const UPDATE: &str = "GOALBENCH_UPDATE_DOCS";
 
-fn archive_of(part: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("study").join(part).with_extension("tar.zst")
-}
+/// What the page says as long as runs are missing.
+const UNFINISHED: &str = "its runs are being made";
 
-/// The runs of the preset `part` by their ids.
-fn plan(part: &str) -> BTreeMap<String, PlannedRun> {
-    let registry = Registry::builtin();
-    let preset = PRESETS.iter().find(|preset| preset.id == part).expect("a preset for every part");
-    let protocol = preset.protocol(&registry).expect("a preset is valid");
-    let runs = Plan::new(&protocol, &registry).expect("a preset is a plan").runs;
-    runs.into_iter().map(|run| (run.key.to_string(), run)).collect()
-}
-
-/// That `run` is the planned one, and came to its end.
-fn assert_is_planned(run: &Run, plan: &BTreeMap<String, PlannedRun>) {
-    let planned = plan.get(&run.key().to_string()).expect("a run of the plan");
-    let config = serde_json::to_value(&planned.config).expect("a config is plain data");
-    assert_eq!(run.manifest.config, config, "{}", run.key());
-    assert!(run.is_finished(), "{}", run.key());
+fn doc(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name)
 }
 
 #[test]
 fn what_is_there_of_the_study_is_what_was_registered() {
-    for part in PARTS.iter().filter(|part| archive_of(part).exists()) {
-        let plan = plan(part);
-        let unpacked = archive::unpack(&archive_of(part)).expect(part);
-        let runs = unpacked.store.runs();
-        assert!(!runs.is_empty(), "{part}");
-        runs.iter().for_each(|run| assert_is_planned(run, &plan));
-        let program = &runs[0].manifest.versions;
-        assert!(
-            runs.iter().all(|run| run.manifest.versions["executable"] == program["executable"]),
-            "{part}: one program"
-        );
+    for (name, part) in PARTS.iter().filter_map(|name| Some((name, Part::unpack(name)?))) {
+        let runs = part.store.runs();
+        assert!(!runs.is_empty(), "{name}");
+        runs.iter().for_each(|run| part.assert_is_planned(run));
+        let program = |run: &reports::store::Run| run.manifest.versions["commit"].clone();
+        assert!(runs.iter().all(|run| program(run) == program(&runs[0])), "{name}: one program");
     }
+}
+
+/// Before all runs have ended the page reports nothing; then its tables and its figure are those of the data,
+/// and an independent program agrees with the numbers.
+#[test]
+fn the_page_says_what_the_data_say() {
+    let page = fs::read_to_string(doc("study.md")).expect("the study's page");
+    let parts: Vec<Part> = PARTS.iter().filter_map(|name| Part::unpack(name)).collect();
+    if parts.len() < PARTS.len() || !parts.iter().all(Part::is_whole) {
+        assert!(page.contains(UNFINISHED) && !page.contains(BEGIN), "a part of the study is not reported");
+        return;
+    }
+    assert!(!page.contains(UNFINISHED) && page.contains(BEGIN), "all runs have ended");
+    assert!(parts.iter().map(|part| part.bytes).sum::<u64>() < 10_000_000, "they fit into the repository");
+    let reports: Vec<PathBuf> = parts.iter().map(Part::report).collect();
+    let report = |name: &str| {
+        let index =
+            PARTS.iter().position(|part| *part == name).expect("tables are about a part of the study");
+        reports[index].as_path()
+    };
+    let (remade, figure) = (remade(&page, report), reports[0].join("figures/grid.png"));
+    if std::env::var_os(UPDATE).is_some() {
+        fs::write(doc("study.md"), &remade).expect("the page can be written");
+        fs::copy(&figure, doc("study.png")).expect("the figure can be written");
+    }
+    let page = fs::read_to_string(doc("study.md")).expect("the study's page");
+    assert_eq!(page, remade, "the page is old: run this test with {UPDATE}=1 once");
+    let [drawn, shown] = [figure, doc("study.png")].map(|path| fs::read(path).expect("a figure"));
+    assert!(drawn == shown, "the figure is old: run this test with {UPDATE}=1 once");
+    parts.iter().for_each(recomputed);
+}
+
+/// Compares the numbers of a report with those of a program that shares nothing with it.
+fn recomputed(part: &Part) {
+    let Some(python) = std::env::var_os("GOALBENCH_POLICY_PYTHON") else {
+        println!("skipped: set GOALBENCH_POLICY_PYTHON to a Python that has NumPy");
+        return;
+    };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("study/check.py");
+    let output = Command::new(python).arg(script).arg(part.results()).output().expect("Python starts");
+    assert!(output.status.success(), "{}{}", support::stdout(&output), stderr(&output));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use goalbench::Registry;
 
 use crate::sheet::{Row, Sheet};
 
-const BEGIN: &str = "<!-- table: ";
+pub(crate) const BEGIN: &str = "<!-- table: ";
 const END: &str = "<!-- end of table -->";
 
 /// `page` with every table made from the report of the part that it names; `report` gives the folder of that

@@ -1,0 +1,77 @@
+//! A part of the study: its preset and its archive.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use goalbench::Registry;
+use goalbench::archive::unpack_to;
+use goalbench::protocol::plan::{Plan, PlannedRun};
+use goalbench::protocol::presets::PRESETS;
+use reports::store::{Run, Store};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::{goalbench, stderr};
+
+/// The parts by the names of presets and archives.
+pub(crate) const PARTS: [&str; 2] = ["laptop", "laptop-ablations"];
+
+/// What there is of a part, unpacked.
+pub(crate) struct Part {
+    pub(crate) store: Store,
+    pub(crate) bytes: u64,
+    plan: BTreeMap<String, PlannedRun>,
+    folder: TempDir,
+}
+
+impl Part {
+    /// The part `name`; `None` while none of it is there.
+    pub(crate) fn unpack(name: &str) -> Option<Self> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("study").join(name).with_extension("tar.zst");
+        let bytes = path.metadata().ok()?.len();
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let store = unpack_to(&path, &folder.path().join("results")).expect(name).store;
+        let registry = Registry::builtin();
+        let preset = PRESETS.iter().find(|preset| preset.id == name).expect("a preset for every part");
+        let protocol = preset.protocol(&registry).expect("a preset is valid");
+        let runs = Plan::new(&protocol, &registry).expect("a preset is a plan").runs;
+        let plan = runs.into_iter().map(|run| (run.key.to_string(), run)).collect();
+        Some(Self { store, bytes, plan, folder })
+    }
+
+    /// Whether all runs that were planned are there.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.store.runs().len() == self.plan.len()
+    }
+
+    /// Checks that `run` is a planned one and came to its end.
+    pub(crate) fn assert_is_planned(&self, run: &Run) {
+        let planned = self.plan.get(&run.key().to_string()).expect("a run of the plan");
+        let config = serde_json::to_value(&planned.config).expect("a config is plain data");
+        assert_says(&run.manifest.config, &config, &run.key().to_string());
+        assert!(run.is_finished(), "{}", run.key());
+    }
+
+    pub(crate) fn results(&self) -> PathBuf {
+        self.folder.path().join("results")
+    }
+
+    /// Reports the part with the default options, which must go without a problem. Gives the report's folder.
+    pub(crate) fn report(&self) -> PathBuf {
+        let results = self.results();
+        let output = goalbench(&["report", results.to_str().expect("a test path is UTF-8")]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        results.join("report")
+    }
+}
+
+/// That every value of the config `run` is that of `planned`, which may have fields that are younger.
+fn assert_says(run: &Value, planned: &Value, place: &str) {
+    let Value::Object(fields) = run else {
+        assert_eq!(run, planned, "{place}");
+        return;
+    };
+    for (name, value) in fields {
+        assert_says(value, &planned[name], &format!("{place}: {name}"));
+    }
+}
