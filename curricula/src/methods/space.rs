@@ -37,7 +37,7 @@
 //!   negative values, and at the first update by 0, which leaves the sign of V_i alone. Here the first update
 //!   ranks like `signed`. Later, a goal that declines from exactly 0 ranks last, one that rises from it
 //!   first.
-//! - V_i is the confidence from states of the replay buffer, held between two updates
+//! - V_i is the confidence from states of the replay buffer, held for 100 updates by default
 //!   ([`Probe`](crate::Probe)). In the authors' code it is the value of the instance's own start. With
 //!   `initial` it is that of the coming episode, and V_i(t) and V_i(t−1) belong to two starts wherever starts
 //!   are random.
