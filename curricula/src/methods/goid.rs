@@ -24,8 +24,9 @@
 //! - The shares are 0.7 now, 0.2 earlier, 0.1 afresh. The authors' are 2/3 from the GAN, whose noise tries
 //!   new goals, and 1/3 earlier ones.
 //! - Afresh are the goals whose region has not been tried `window` times; if there is none any more, all
-//!   goals. The share of a kind that has no goals goes to the others in proportion. Before the first success
-//!   all goals are alike; the authors begin with goals that the untrained student achieves by chance.
+//!   goals. The share of a kind that has no goals goes to the others in proportion, so that all episodes are
+//!   tried afresh until a region succeeds now and then. The authors begin with goals that the untrained
+//!   student achieves by chance.
 //! - Goals of the pool are set at other starts than they were drawn for: for HandManipulate* see
 //!   [`her_iid_pool`](super::her_iid_pool).
 

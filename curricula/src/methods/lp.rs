@@ -18,7 +18,8 @@
 //! - Success is that of training episodes, exploration noise included. In CURIOUS every tenth episode is
 //!   played without noise, to measure competence alone.
 //! - w = 50 episodes per region. CURIOUS has 300, from 19 workers that together play far more episodes than a
-//!   run here; TSCL has 10. Before there are 2w episodes, those there are, are halved, as in CURIOUS.
+//!   run here; TSCL has 10. Before there are 2w episodes, those there are, are halved, from two on; CURIOUS
+//!   does so from three on.
 //! - ε = 0.4 as in CURIOUS. TSCL takes the region with the largest progress instead, or draws by a softmax.
 //! - CURIOUS also replays experience of modules in proportion to their LP. Here the student's replay stays as
 //!   it is for all methods.

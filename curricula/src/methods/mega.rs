@@ -17,7 +17,8 @@
 //!   successes and rises if at most 3 were, and the count begins anew; it never rises above −3, nor falls
 //!   below the lowest value seen among candidates or below the return of an episode that comes to its goal
 //!   after 80 % of its steps ([`least_cutoff`]).
-//! - As in the authors' code an episode is a success if its goal was reached after any of its steps.
+//! - An episode is a success if its goal was reached after any of its steps. The authors' code leaves out the
+//!   last one.
 //! - As in the authors' code the goal of highest value is asked for where no candidate passes the cutoff.
 //! - The density is that of 10,000 goals drawn from the replay buffer with replacement, brought to deviation
 //!   1 ([`Scaling`](crate::Scaling)), with Gaussian kernels of bandwidth 0.1. It is made anew for every

@@ -99,6 +99,26 @@ fn a_program_that_uses_all_there_is_keeps_the_contract() {
     contract_with(entry("process"), &program.config(60.0));
 }
 
+/// Comes back, with every second goal, to what it said when it began: a resumed run has to hear of it again.
+#[test]
+fn a_program_that_returns_to_its_first_weights_keeps_the_contract() {
+    let text = "
+class Turns(Curriculum):
+    def begin(self):
+        self.turn = 0
+        self.tell()
+    def tell(self):
+        more = self.turn % 2
+        self.weights = [(1 + (i == more)) / (len(self.pool) + 1) for i in range(len(self.pool))]
+        self.statistics = {'more': more}
+    def propose(self, lesson):
+        self.turn += 1
+        self.tell()
+        return self.random.draw(self.weights)
+serve(Turns)";
+    contract_with(entry("process"), &Program::with_helper(text).config(60.0));
+}
+
 #[test]
 fn goals_of_its_own_and_of_the_environment_are_taken_over() {
     let text = "

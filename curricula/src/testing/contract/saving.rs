@@ -21,14 +21,26 @@ pub(super) fn continues_identically(subject: Subject<'_>, before: &[usize]) {
     let (mut straight, mut resumed) = (taught(), taught());
     resumed.teacher = subject.class(GOALS).teacher;
     resumed.teacher.load(&saved(&straight)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert_records_the_same(&resumed, &straight, &name);
+    for _ in 0..8 {
+        for _ in 0..2 {
+            let proposal = |class: &mut Class| class.propose().expect("a proposal");
+            assert_eq!(proposal(&mut resumed), proposal(&mut straight), "{name}");
+            assert_records_the_same(&resumed, &straight, &name);
+        }
+        [&mut resumed, &mut straight].into_iter().for_each(Class::learn);
+    }
+    assert!(saved(&resumed) == saved(&straight), "{name}: the state is another");
+}
+
+/// What there is to record of the teachers of both.
+fn assert_records_the_same(resumed: &Class, straight: &Class, name: &str) {
     let numbers = |class: &Class| {
         let bits = |(name, value): (&str, f64)| (name.to_owned(), value.to_bits());
         class.teacher.summary().statistics.into_iter().map(bits).collect::<Vec<_>>()
     };
-    assert_eq!(numbers(&resumed), numbers(&straight), "{name}");
+    assert_eq!(numbers(resumed), numbers(straight), "{name}");
     assert_eq!(resumed.teacher.summary().weights, straight.teacher.summary().weights, "{name}");
-    assert_eq!(proposals(&mut resumed, 8), proposals(&mut straight, 8), "{name}");
-    assert!(saved(&resumed) == saved(&straight), "{name}: the state is another");
 }
 
 /// Saved once it has asked for probe rollouts, before it hears of them; as long as it asks for none, it is
