@@ -52,7 +52,7 @@ pub(super) static DEVIATIONS: &[Deviation] = &[
         "Smoothed confidence",
         "a Polyak-averaged value function (section 5.4, Eq. 12); neither its coefficient nor whose action it judges",
         "the averaged critic about the trained policy's action (`target-critic`); it is the student's own target network, so \
-         that it has its coefficient (`student.polyak`, the paper's 0.95); that of an averaged policy (`target`) is a setting",
+         that it has its coefficient (`student.polyak`, 0.95 in the preset `paper`); that of an averaged policy (`target`) is a setting",
     ),
     row(
         "Choice of the goal",

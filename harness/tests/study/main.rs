@@ -4,6 +4,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
 
+mod beside;
 mod part;
 mod sheet;
 #[path = "../support/mod.rs"]
@@ -15,11 +16,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use part::{PARTS, Part};
+use reports::store::layout;
 use support::{goalbench, stderr};
 use tables::{BEGIN, remade};
 
 /// Where this variable is set, the page's tables and its figure are written instead of compared.
 const UPDATE: &str = "GOALBENCH_UPDATE_DOCS";
+
+/// The commit of the program that makes the runs.
+const PROGRAM: &str = "6923874e6af0";
 
 /// What the page says as long as runs are missing.
 const UNFINISHED: &str = "its runs are being made";
@@ -34,9 +39,26 @@ fn what_is_there_of_the_study_is_what_was_registered() {
         let runs = part.store.runs();
         assert!(!runs.is_empty(), "{name}");
         runs.iter().for_each(|run| part.assert_is_planned(run));
-        let program = |run: &reports::store::Run| run.manifest.versions["commit"].clone();
-        assert!(runs.iter().all(|run| program(run) == program(&runs[0])), "{name}: one program");
+        for run in runs {
+            assert_eq!(run.manifest.versions["commit"], PROGRAM, "{name}: {}", run.key());
+        }
     }
+}
+
+/// Runs that both parts have are the same, byte for byte.
+#[test]
+fn both_parts_were_made_by_the_same_program_on_the_same_kind_of_processor() {
+    let [Some(one), Some(other)] = PARTS.map(Part::unpack) else { return };
+    let mut shared = 0;
+    for run in one.store.runs().iter().filter(|run| other.has(run)) {
+        let records = |part: &Part| {
+            let file = layout::run_dir(&part.results(), run.key()).join(layout::RECORDS);
+            fs::read(file).expect("every run has records")
+        };
+        assert!(records(&one) == records(&other), "{}", run.key());
+        shared += 1;
+    }
+    assert!(shared > 0, "both parts have default runs");
 }
 
 /// Before all runs have ended the page reports nothing; then its tables and its figure are those of the data,
@@ -87,7 +109,14 @@ fn tables_of_a_page_say_what_the_report_says() {
     let output = goalbench(&["report", folder.path().to_str().expect("a test path is UTF-8")]);
     assert!(output.status.success(), "{}", stderr(&output));
     let report = folder.path().join("report");
-    let kinds = ["area toy", "final toy", "steps toy", "comparisons toy", "claims toy area-her-iid window"];
+    let kinds = [
+        "area toy",
+        "final toy",
+        "steps toy",
+        "comparisons toy",
+        "claims toy area-her-iid window",
+        "beside toy her-iid",
+    ];
     let empty: Vec<String> = kinds
         .iter()
         .map(|kind| format!("Before.\n\n<!-- table: {kind} -->\nold\n<!-- end of table -->\n"))

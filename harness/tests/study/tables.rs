@@ -12,6 +12,7 @@ use std::path::Path;
 
 use goalbench::Registry;
 
+use crate::beside::beside;
 use crate::sheet::{Row, Sheet};
 
 pub(crate) const BEGIN: &str = "<!-- table: ";
@@ -44,6 +45,7 @@ fn table(kind: &str, report: &Path, ids: &[&str]) -> Vec<String> {
             None,
         ),
         "comparisons" => comparisons(report),
+        "beside" => besides(report, ids),
         "claims" => claims(report, ids),
         "readings" => readings(report, ids),
         _ => panic!("no table is called {kind}"),
@@ -126,6 +128,33 @@ fn claims(report: &Path, ids: &[&str]) -> Vec<String> {
     markdown(&head.map(str::to_owned), body)
 }
 
+/// What stands beside the verdicts on area, against each of `others`.
+fn besides(report: &Path, others: &[&str]) -> Vec<String> {
+    let head = ["TEACH against", "runs", "difference", "98.75 %", "ahead", "p (signs)", "units"];
+    let mut body = Vec::new();
+    for other in others {
+        let (rows, correlation) = beside(report, other);
+        body.extend(rows.into_iter().map(|row| {
+            let interval =
+                row.interval.map(|(low, high)| format!("[{}, {}]", signed(Some(low)), signed(Some(high))));
+            vec![
+                title(other),
+                row.what.to_owned(),
+                signed(Some(row.difference)),
+                interval.unwrap_or_else(|| "–".to_owned()),
+                rate(Some(row.ahead)),
+                p_value(Some(row.p_signs)),
+                row.units.to_string(),
+            ]
+        }));
+        let empty = [const { String::new() }; 4];
+        let mut cells = vec![title(other), "rank correlation of mazes".to_owned(), signed(correlation)];
+        cells.extend(empty);
+        body.push(cells);
+    }
+    markdown(&head.map(str::to_owned), body.into_iter())
+}
+
 /// Claims about baselines under every reading of the paper.
 fn readings(report: &Path, ids: &[&str]) -> Vec<String> {
     let head = ["claim", "reading", "verdict", "effect", "interval", "level", "pairs ahead", "p (signs)"];
@@ -171,9 +200,14 @@ fn effect(row: Row<'_>) -> [String; 5] {
     ]
 }
 
-/// The smallest true difference that a test with the interval of `row` finds with a power of 0.8, were the
-/// statistic normal: h (z(1 - α/2) + z(0.8)) / z(1 - α/2) with half the interval's width h and its level α.
+/// The smallest true mean difference that a test with the interval of `row` finds with a power of 0.8, were
+/// the statistic normal: h (z(1 - α/2) + z(0.8)) / z(1 - α/2) with half the interval's width h and its level
+/// α. The companion, the test of the signs, asks for somewhat more. `None` for claims about single
+/// environments, whose interval is that of one of them.
 fn detectable(row: Row<'_>) -> Option<f64> {
+    if row.number("environments") == Some(1.0) {
+        return None;
+    }
     let (low, high) = (row.number("ci_low")?, row.number("ci_high")?);
     Some(detectable_by((high - low) / 2.0, row.number("confidence")?))
 }

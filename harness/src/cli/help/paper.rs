@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reports::analysis::catalogue::{Catalogue, Claim, ClaimScope};
+use reports::analysis::catalogue::{Catalogue, Claim, ClaimKind, ClaimScope};
 
 use crate::Registry;
 use crate::paper;
@@ -53,7 +53,8 @@ pub(super) fn page(registry: &Registry) -> String {
     text += "| claim | where | what | tasks |\n|---|---|---|---|\n";
     for claim in &catalogue.paper.claims {
         let Claim { id, source, .. } = claim;
-        let _ = writeln!(text, "| `{id}` | {source} | {} | {} |", statement(claim), scope(claim, &catalogue));
+        let (statement, scope) = (statement(claim, &catalogue), scope(claim, &catalogue));
+        let _ = writeln!(text, "| `{id}` | {source} | {statement} | {scope} |");
     }
     text += OPEN;
     for row in &catalogue.paper.deviations {
@@ -63,9 +64,12 @@ pub(super) fn page(registry: &Registry) -> String {
     text
 }
 
-/// A claim in words, about whichever baseline.
-fn statement(claim: &Claim) -> String {
-    claim.statement.replace("{baseline}", "each baseline").replace('|', "\\|")
+/// A claim in words, about whichever baseline, or about the control.
+fn statement(claim: &Claim, catalogue: &Catalogue) -> String {
+    let control = || catalogue.paper.control.as_ref().map(|id| catalogue.title(id));
+    let is_of_control = matches!(claim.kind, ClaimKind::AboveControl(_));
+    let baseline = is_of_control.then(control).flatten().unwrap_or_else(|| "each baseline".to_owned());
+    claim.statement.replace("{baseline}", &baseline).replace('|', "\\|")
 }
 
 /// The tasks that a claim is about, in words.

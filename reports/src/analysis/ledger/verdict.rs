@@ -102,7 +102,7 @@ impl Bench<'_> {
 
     /// The environments in which `direction` times the difference is above `bound`, by the tests of the means
     /// and of the signs alike, at `level` for all environments together: Hochberg's correction (1988), valid
-    /// as environments share no runs.
+    /// where environments, which share no runs, are independent or correlate positively.
     pub(super) fn beyond<'e>(
         &self,
         effect: &'e Effect,
