@@ -144,4 +144,5 @@ fn tables_of_a_page_say_what_the_report_says() {
         "{page}"
     );
     assert!(page.contains("| HER-IID | TEACH | Point |"), "{page}");
+    assert!(page.contains("| HER-IID | all pairs |") && page.contains("| HER-IID | whole seeds |"), "{page}");
 }

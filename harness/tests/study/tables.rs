@@ -113,7 +113,7 @@ fn claims(report: &Path, ids: &[&str]) -> Vec<String> {
         "pairs ahead",
         "p (signs)",
         "pairs",
-        "detectable",
+        "detectable by the mean",
     ];
     let sheet = Sheet::read(report, "ledger");
     let body = ids.iter().map(|id| {
@@ -135,13 +135,11 @@ fn besides(report: &Path, others: &[&str]) -> Vec<String> {
     for other in others {
         let (rows, correlation) = beside(report, other);
         body.extend(rows.into_iter().map(|row| {
-            let interval =
-                row.interval.map(|(low, high)| format!("[{}, {}]", signed(Some(low)), signed(Some(high))));
             vec![
                 title(other),
                 row.what.to_owned(),
                 signed(Some(row.difference)),
-                interval.unwrap_or_else(|| "–".to_owned()),
+                range(row.interval),
                 rate(Some(row.ahead)),
                 p_value(Some(row.p_signs)),
                 row.units.to_string(),
@@ -244,10 +242,14 @@ fn spread(row: Row<'_>, mean: &str, std: &str) -> String {
 }
 
 fn interval(row: Row<'_>, low: &str, high: &str) -> String {
-    match (row.number(low), row.number(high)) {
-        (Some(low), Some(high)) => format!("[{}, {}]", signed(Some(low)), signed(Some(high))),
-        _ => "–".to_owned(),
-    }
+    range(row.number(low).zip(row.number(high)))
+}
+
+fn range(ends: Option<(f64, f64)>) -> String {
+    ends.map_or_else(
+        || "–".to_owned(),
+        |(low, high)| format!("[{}, {}]", signed(Some(low)), signed(Some(high))),
+    )
 }
 
 fn rate(value: Option<f64>) -> String {
