@@ -18,11 +18,12 @@ use crate::window::Window;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StateSource {
-    /// States drawn once from the replay buffer and held, so that confidence moves only with the networks.
-    /// They are renewed now and then, with a hand-over: see [`Probe`].
+    /// States drawn once from the replay buffer and held, so that confidence moves only with the networks and
+    /// their input normalisers. After `renewal` measurements new states are measured beside them, and then
+    /// take over.
     #[default]
     Reference,
-    /// Fresh draws from the replay buffer at every evaluation: unbiased, but confidence then also changes
+    /// Fresh draws from the replay buffer at every measurement: unbiased, but confidence then also changes
     /// with the sample.
     Replay,
     /// The start state of the coming episode. Where starts are random, confidence also changes with the
@@ -47,9 +48,10 @@ pub struct ProbeConfig {
     ///
     /// Unit: states. Range: 1 to 1024. Source: a choice.
     pub replay_states: usize,
-    /// Evaluations after which `reference` begins with other states; at least as many as are compared.
+    /// Measurements of confidence after which `reference` begins with other states; at least as many as are
+    /// compared.
     ///
-    /// Unit: evaluations. Range: at least 1. Source: a choice.
+    /// Unit: measurements. Range: at least 1. Source: a choice.
     pub renewal: u64,
 }
 

@@ -9,7 +9,9 @@ use reports::store::cells::{CellMember, odd_ones};
 use reports::store::problem::StoreProblem;
 use reports::store::{Results, RunFolder, StoreError, Survey, checksums, layout};
 
+use crate::archive;
 use crate::error::{HarnessError, chain};
+use crate::export::ExportedPolicy;
 use crate::fresh_folder::{FolderKind, FreshFolder, refuse_existing};
 use crate::outputs;
 use crate::protocol::copy;
@@ -52,11 +54,12 @@ struct Copies {
 ///
 /// Every copy of a run is checked as it is before the run goes on. Sound copies must have the same config,
 /// and their records must agree as far as both go; the one that has come further is taken, of equal ones that
-/// with a checkpoint and more timings.
+/// with a checkpoint and more timings. Policies that came with an archive come along where the run has no
+/// checkpoint.
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
-/// every conflicting run, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
+/// every conflicting run or policy, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
 /// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Argument`] if it would
 /// lie in a source, [`HarnessError::Locked`] if a process is carrying out a run, and whatever keeps files
 /// from being read or written.
@@ -74,7 +77,9 @@ pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     merged.damaged.extend(also.damaged);
     merged.strays.extend(also.strays);
     let choice = tuning::joined(sources)?;
-    copy_all(&[(Path::new(""), chosen), (Path::new(layout::TUNING), trials)], choice, sources, out)?;
+    let policies = policies(&chosen, sources)?;
+    let parts = [(Path::new(""), chosen), (Path::new(layout::TUNING), trials)];
+    copy_all(&parts, &policies, choice, sources, out)?;
     Ok(merged)
 }
 
@@ -206,18 +211,51 @@ fn rank(one: &Candidate) -> (bool, usize, bool, bool, usize) {
     (is_finished, one.records.len(), outcome.is_some(), *has_checkpoint, one.timed)
 }
 
-const KIND: FolderKind =
-    FolderKind { prefix: ".goalbench-merge-", holds: &["runs", "protocols", layout::TUNING] };
+/// The policies that came with an archive, of those `runs` whose checkpoints did not.
+fn policies(runs: &[Candidate], sources: &[PathBuf]) -> Result<Vec<(RunKey, ExportedPolicy)>, HarnessError> {
+    let (mut found, mut conflicts) = (Vec::new(), Vec::new());
+    for Sound { manifest, .. } in runs.iter().map(|one| &one.sound).filter(|sound| !sound.has_checkpoint) {
+        let mut first: Option<(&Path, ExportedPolicy)> = None;
+        for source in sources {
+            let Some(policy) = archive::unpacked_policy(source, manifest)? else { continue };
+            match &first {
+                Some((other, known)) if known.numbers != policy.numbers => conflicts.push(format!(
+                    "{}: {} and {} have the same config and different policies",
+                    manifest.run,
+                    archive::policy_dir(other, &manifest.run).display(),
+                    archive::policy_dir(source, &manifest.run).display(),
+                )),
+                Some(_) => {}
+                None => first = Some((source, policy)),
+            }
+        }
+        found.extend(first.map(|(_, policy)| (manifest.run.clone(), policy)));
+    }
+    if conflicts.is_empty() {
+        Ok(found)
+    } else {
+        Err(HarnessError::Conflict { runs: conflicts.join("\n  ") })
+    }
+}
+
+const KIND: FolderKind = FolderKind {
+    prefix: ".goalbench-merge-",
+    holds: &["runs", "protocols", layout::TUNING, archive::POLICIES],
+};
 
 /// Copies into a temporary neighbour of `out`, checks what was copied, then renames it. `parts` are runs by
 /// the results folder below it that they go to.
 fn copy_all(
     parts: &[(&Path, Vec<Candidate>)],
+    policies: &[(RunKey, ExportedPolicy)],
     choice: Option<Tuning>,
     sources: &[PathBuf],
     out: &Path,
 ) -> Result<(), HarnessError> {
     let fresh = FreshFolder::beside(out, &KIND)?;
+    for (run, policy) in policies {
+        policy.write(&archive::policy_dir(fresh.path(), run))?;
+    }
     for (part, one) in parts.iter().flat_map(|(part, runs)| runs.iter().map(move |one| (part, one))) {
         let to = layout::run_dir(&fresh.path().join(part), &one.sound.manifest.run);
         one.folder.copy_to(&to)?;

@@ -71,11 +71,11 @@ use crate::window::Window;
 pub struct TeachConfig {
     /// n, how many values of each goal the window holds.
     ///
-    /// Unit: values. Range: at least 2. Source: TEACH 5.2; 3 in its Figure 3.
+    /// Unit: values. Range: at least 2. Source: TEACH 5.3 and 5.5; 3 in its Figure 3.
     pub window: usize,
     /// Δ, the interplay frequency: training episodes between two computations of the curriculum.
     ///
-    /// Unit: episodes. Range: at least 1. Source: TEACH 5.2.
+    /// Unit: episodes. Range: at least 1. Source: TEACH 5.6.
     pub interplay: u64,
     /// When a value of every goal is recorded.
     ///

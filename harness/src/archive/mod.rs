@@ -19,9 +19,13 @@ mod problem;
 mod sums;
 mod unpack;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use guard::text::short;
+use reports::schema::{Manifest, RunKey};
+
+use crate::error::HarnessError;
+use crate::export::ExportedPolicy;
 
 pub use pack::{Packed, Packing, PolicyChoice, pack};
 pub use problem::{ArchiveProblem, PackProblem};
@@ -32,7 +36,7 @@ const ROOT: &str = "goalbench-results";
 /// Name of the list of checksums, the first file of an archive.
 const SUMS: &str = "SHA256SUMS";
 /// Name of the folder of exported policies, in an archive and beside the runs that came out of one.
-const POLICIES: &str = "policies";
+pub(crate) const POLICIES: &str = "policies";
 /// Name of the dataset card.
 const CARD: &str = "DATA.md";
 /// How names of archives end.
@@ -43,6 +47,22 @@ const LONGEST_NAME: usize = 40;
 const MOST_BYTES: u64 = 16 << 30;
 /// Most files of an archive.
 const MOST_FILES: usize = 400_000;
+
+/// Where the exported policy of `run` lies in the folder of an archive that was unpacked.
+pub(crate) fn policy_dir(results: &Path, run: &RunKey) -> PathBuf {
+    results.join(POLICIES).join(run.to_string())
+}
+
+/// The policy that came with an archive for the run of `manifest`; `None` if none did.
+///
+/// # Errors
+/// [`HarnessError`] if one did and is damaged, or that of another run.
+pub(crate) fn unpacked_policy(
+    results: &Path,
+    manifest: &Manifest,
+) -> Result<Option<ExportedPolicy>, HarnessError> {
+    ExportedPolicy::kept(&policy_dir(results, &manifest.run), manifest)
+}
 
 /// The NAME of the archive at `path`, which marks its runs beside others.
 ///

@@ -18,7 +18,7 @@ use super::card::Card;
 use super::member::member;
 use super::problem::PackProblem;
 use super::sums::{self, Summing, Sums};
-use super::{CARD, MOST_BYTES, MOST_FILES, POLICIES, ROOT, SUMS};
+use super::{CARD, MOST_BYTES, MOST_FILES, POLICIES, ROOT, SUMS, unpacked_policy};
 use crate::Registry;
 use crate::error::HarnessError;
 use crate::export::ExportedPolicy;
@@ -173,9 +173,8 @@ fn chosen<'a>(runs: &'a [Run], choice: &PolicyChoice) -> Result<Vec<&'a Run>, Pa
 fn policy(registry: &Registry, results: &Path, manifest: &Manifest) -> Result<ExportedPolicy, HarnessError> {
     let folder = RunFolder::of(results, &manifest.run);
     if !folder.has(layout::CHECKPOINT)? {
-        let beside = results.join(POLICIES).join(manifest.run.to_string());
-        if let Some(kept) = ExportedPolicy::kept(&beside, manifest)? {
-            return Ok(kept);
+        if let Some(unpacked) = unpacked_policy(results, manifest)? {
+            return Ok(unpacked);
         }
     }
     ExportedPolicy::of(registry, &Policy::read(registry, folder.path())?)

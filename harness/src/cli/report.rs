@@ -20,19 +20,19 @@ use crate::{Registry, outputs, paper};
 pub(super) struct Args {
     /// Results folder, as written by `goalbench run`
     results: PathBuf,
-    /// Evaluations at the end of a run that its final success averages
+    /// Number of evaluations at the end of a run that its final success is averaged over
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(1..))]
     window: u16,
-    /// Coverage of intervals, and what verdicts keep: 1 minus the chance of a false one
+    /// Coverage of intervals; verdicts are false with at most the remaining probability
     #[arg(long, value_name = "SHARE", default_value_t = 0.95, value_parser = between(0.5))]
     confidence: f64,
-    /// Largest difference of success rates that claims of no difference call none
+    /// Largest difference in success rate that still counts as none
     #[arg(long, value_name = "RATE", default_value_t = MARGIN, value_parser = between(0.0))]
     margin: f64,
     /// Fewest pairs of runs with the same seed, in all environments together, for a verdict
     #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = whole::<u16>(1..))]
     fewest_pairs: u16,
-    /// Runs that broke down: success 0 from then on, or left out and counted
+    /// Runs that failed: success 0 from then on, or left out and counted
     #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = ["zero", "apart"])]
     failures: String,
     /// Judge claims also where both sides train different students
@@ -55,7 +55,7 @@ pub(super) struct Args {
     title: Option<String>,
     #[command(flatten)]
     quiet: QuietFlag,
-    /// Let axes of rates span what there is to see, and not 0 to 1; they say so
+    /// Fit the axes of rates to the data instead of 0 to 1; such axes are marked
     #[arg(long)]
     zoom: bool,
 }

@@ -63,7 +63,7 @@ pub struct RunConfig {
     // Empty it leaves no trace in manifests: runs keep the hashes that they had before this field.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shadow: Vec<String>,
-    /// The student's hyper-parameters, every `auto` that stands for a number replaced by it.
+    /// The student's hyper-parameters. In a manifest numbers stand in the place of `auto`.
     pub student: StudentConfig,
     /// The curriculum's own config under its id: `{ teach = { window = 10, ... } }`, and that of each shadow
     /// under its.
@@ -87,15 +87,15 @@ pub struct Budget {
 #[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evaluation {
-    /// Environment steps between evaluations: one follows the first cycle that reaches each multiple. One
-    /// cycle is the least.
+    /// Environment steps between evaluations: one follows the first cycle that reaches each multiple. A value
+    /// below the length of a cycle means after every cycle.
     ///
-    /// Unit: steps. Range: at least 1. Auto: the environment's. Source: TEACH 5.2.
+    /// Unit: steps. Range: at least 1. Auto: the environment's. Source: a choice; the paper names no interval.
     #[schemars(with = "Auto<u64>")]
     pub every: u64,
     /// Greedy episodes per evaluation.
     ///
-    /// Unit: episodes. Range: 1 to 1,000,000. Source: a choice.
+    /// Unit: episodes. Range: 1 to 1,000,000. Source: TEACH 5.2.
     pub episodes: u64,
     /// Where their goals come from.
     ///

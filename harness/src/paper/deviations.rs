@@ -44,7 +44,7 @@ pub(super) static DEVIATIONS: &[Deviation] = &[
         "States of the confidence score",
         "the mean over D, the replay buffer's state distribution (said after Eq. 6), without saying over how many states",
         "8 reference states, drawn from the replay buffer and held, so that a window never compares values of different \
-         states; renewed every 100 evaluations with a hand-over, during which both sets are measured; fresh draws \
+         states; renewed every 100 measurements with a hand-over, during which both sets are measured; fresh draws \
          (`replay`) and the start of the coming episode (`initial`) are settings",
     ),
     row("Range of the confidence score", "Eq. 7 sets no bounds", "TEACH's confidence is not clipped"),
@@ -119,8 +119,9 @@ pub(super) static DEVIATIONS: &[Deviation] = &[
     ),
     row(
         "Evaluation",
-        "20 episodes, each with a random goal; nothing of starts, of exploration or of when in an episode success counts",
-        "20 episodes with the greedy online policy, success at the last step, and success at any step beside it; goals and \
+        "20 episodes, each with a random goal; nothing of how often, of starts, of exploration or of when in an episode success \
+         counts",
+        "every 10,000 steps (on mazes 5,000) 20 episodes with the greedy online policy, success at the last step, and success at any step beside it; goals and \
          starts depend on environment, seed and evaluation alone",
     ),
     row(
@@ -147,6 +148,6 @@ pub(super) static DEVIATIONS: &[Deviation] = &[
     row(
         "Physics",
         "environments of the MuJoCo version of its time",
-        "MuJoCo as named under versions, checked against recordings",
+        "MuJoCo 3.3.7 with native CCD off (`physics.native_ccd`), checked against recordings",
     ),
 ];

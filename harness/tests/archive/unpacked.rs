@@ -92,6 +92,45 @@ fn unpacked_results_are_packed_again_with_their_policies() {
     assert!(!at("third.tar.zst").exists());
 }
 
+/// Nor does a merge with somebody else's runs lose them.
+#[test]
+fn merged_results_keep_the_policies_that_came_with_an_archive() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    trained(&at("lab"), "teach", &[]);
+    trained(&at("own"), "her-iid", &[]);
+    let [first, second] = ["first.tar.zst", "second.tar.zst"].map(at);
+    works(&["pack", text(&at("lab")), "--out", text(&first)]);
+    works(&["unpack", text(&first), "--out", text(&at("unpacked"))]);
+    let (unpacked, own, out) = (at("unpacked"), at("own"), at("merged"));
+    let merge = ["merge", text(&unpacked), text(&own), "--out", text(&out)];
+    works(&merge);
+    works(&["pack", text(&out), "--out", text(&second)]);
+    let run = "policies/Point/teach/default/seed-0";
+    for name in ["policy.json", "policy.safetensors"].map(|name| format!("{run}/{name}")) {
+        assert!(files(&second)[&name] == files(&first)[&name], "{name}");
+    }
+    assert!(files(&second).contains_key("policies/Point/her-iid/default/seed-0/policy.safetensors"));
+
+    // One that was altered is no policy.
+    fs::remove_dir_all(&out).expect("it can be removed");
+    let numbers = unpacked.join(run).join("policy.safetensors");
+    let good = fs::read(&numbers).expect("a policy");
+    let mut altered = good.clone();
+    *altered.last_mut().expect("numbers") ^= 1;
+    fs::write(&numbers, &altered).expect("it can be written");
+    refused(&merge, &[run, "not the policy of the run"]);
+    // Another one, with its own checksum, contradicts that of the archive.
+    let about = unpacked.join(run).join("policy.json");
+    let known = fs::read_to_string(&about).expect("what it is");
+    fs::write(&about, known.replace(&hex(&good), &hex(&altered))).expect("it can be written");
+    let again = at("again");
+    works(&["unpack", text(&first), "--out", text(&again)]);
+    let both = ["merge", text(&unpacked), text(&again), "--out", text(&out)];
+    refused(&both, &["Point/teach/default/seed-0", "different policies"]);
+    assert!(!out.exists(), "nothing is written");
+}
+
 #[test]
 fn what_cannot_be_unpacked_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a temporary folder");

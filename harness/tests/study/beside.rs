@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use reports::analysis::scores::area;
 use reports::stats::{Resampling, SignFlip, mean, sign_flip, spearman};
 
 use crate::sheet::Sheet;
@@ -16,7 +17,7 @@ const CONFIDENCE: f64 = 1.0 - 0.05 / 4.0;
 struct Scores(BTreeMap<(String, String), BTreeMap<u64, f64>>);
 
 /// (step, success rate) at every evaluation, by seed.
-type Curves = BTreeMap<u64, Vec<(f64, f64)>>;
+type Curves = BTreeMap<u64, Vec<(u64, f64)>>;
 
 /// Differences of pairs by seed, by environment.
 type Differences = BTreeMap<String, BTreeMap<u64, f64>>;
@@ -51,7 +52,9 @@ impl Scores {
         for row in Sheet::read(report, "records").rows().filter(|row| row.text("variant") == "default") {
             let number = |column| row.number(column).expect("every evaluation has it");
             let cell = curves.entry((row.text("environment"), row.text("curriculum"))).or_default();
-            cell.entry(number("seed") as u64).or_default().push((number("step"), number("success_rate")));
+            cell.entry(number("seed") as u64)
+                .or_default()
+                .push((number("step") as u64, number("success_rate")));
         }
         let areas = |cell: Curves| {
             let length = cell.values().map(Vec::len).max();
@@ -59,7 +62,8 @@ impl Scores {
                 cell.values().all(|curve| Some(curve.len()) == length),
                 "runs that failed need their zeros"
             );
-            cell.into_iter().map(|(seed, curve)| (seed, area(&curve))).collect()
+            let area = |curve: Vec<(u64, f64)>| area(curve).expect("a curve spans the budget");
+            cell.into_iter().map(|(seed, curve)| (seed, area(curve))).collect()
         };
         Self(curves.into_iter().map(|(key, cell)| (key, areas(cell))).collect())
     }
@@ -74,13 +78,6 @@ impl Scores {
         }
         differences
     }
-}
-
-/// The mean of a curve over its steps, by the trapezoid rule. `curve`: (step, success rate).
-fn area(curve: &[(f64, f64)]) -> f64 {
-    let pieces = curve.windows(2).map(|two| (two[1].0 - two[0].0) * (two[0].1 + two[1].1) / 2.0);
-    let (first, last) = (curve[0].0, curve[curve.len() - 1].0);
-    pieces.sum::<f64>() / (last - first)
 }
 
 fn kept(all: &Differences, keep: impl Fn(&str, u64) -> bool) -> Differences {
@@ -160,12 +157,6 @@ mod tests {
             ((*name).to_owned(), (0..).zip(values.iter().copied()).collect())
         };
         places.iter().map(place).collect()
-    }
-
-    #[test]
-    fn an_area_by_hand() {
-        // Over 3 steps: 1 · 0.25 + 2 · 0.75.
-        assert!((area(&[(0.0, 0.0), (1.0, 0.5), (3.0, 1.0)]) - 1.75 / 3.0).abs() < 1e-12);
     }
 
     #[test]

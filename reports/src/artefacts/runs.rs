@@ -20,6 +20,7 @@ pub(super) const ROW: Artefact = Artefact::table("runs", Section::Nowhere, "run"
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let mut columns = progress(analysis);
     columns.extend(success(analysis.options));
+    columns.extend(speed(analysis.options));
     columns.extend(costs());
     Sheet::of(caption(analysis.options), analysis.store.runs(), &columns)
 }
@@ -76,6 +77,27 @@ fn success(options: &ReportOptions) -> [Column<'_, Run>; 5] {
             move |run: &Run| interval(run).map(|ci| ci.0),
         ),
         Column::real("final_ci_high", "its upper end", move |run: &Run| interval(run).map(|ci| ci.1)),
+    ]
+}
+
+/// How fast it learned, for statistics of one's own. A failed run's numbers end where it did.
+fn speed(options: &ReportOptions) -> [Column<'_, Run>; 3] {
+    let window = options.window;
+    let steps_to = move |threshold| move |run: &Run| scores::steps_to(&run.records, threshold, window);
+    [
+        Column::real(
+            "auc",
+            "area under the success rate over the steps that were evaluated, divided by these steps; that of a failed run ends \
+             where it did (the summary goes on with 0)",
+            |run: &Run| scores::area_under_curve(&run.records),
+        ),
+        Column::count(
+            "steps_to_50",
+            "step of the first evaluation with a success of 0.5 that is kept in the mean over the window of final_success; \
+             empty where censored",
+            steps_to(0.5),
+        ),
+        Column::count("steps_to_80", "the same for 0.8", steps_to(0.8)),
     ]
 }
 

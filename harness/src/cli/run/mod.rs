@@ -83,7 +83,7 @@ pub(super) struct Args {
     /// checkpoint, and what they have recorded stays
     #[arg(long)]
     extend: bool,
-    /// Remove the replay buffer of each run when it finishes, which saves 25 to 400 MB a run of the paper's
+    /// Remove the replay buffer of each run when it finishes, which saves 10 to 400 MB a run of the paper's
     /// length; the run cannot be trained on with --extend then
     #[arg(long)]
     discard_replay: bool,
