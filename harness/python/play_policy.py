@@ -1,8 +1,6 @@
 """Plays a policy that `goalbench export RUN --out DIR` wrote: `python play_policy.py DIR [EPISODES [SEED]]`.
 
-Needs torch; to play also gymnasium-robotics 1.4.2 with mujoco 3.3.7. Mazes (and worlds of your own) are no part of
-Gymnasium-Robotics: of those `Policy.act` gives the actions, and `goalbench evaluate` plays them.
-"""
+Needs torch; to play also gymnasium-robotics 1.4.2 with mujoco 3.3.7, which has no mazes: `Policy.act` acts in any world."""
 import hashlib, json, sys
 from pathlib import Path
 
@@ -48,10 +46,9 @@ def play(policy, episodes=100, seed=0):
         env.unwrapped.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_NATIVECCD
     successes = 0
     for episode in range(episodes):
-        observation, done = env.reset(seed=seed + episode)[0], False
-        while not done:
-            observation, _, terminated, truncated, info = env.step(policy.act(observation))
-            done = terminated or truncated
+        observation = env.reset(seed=seed + episode)[0]
+        for _ in range(task["horizon"]):
+            observation, _, _, _, info = env.step(policy.act(observation))
         successes += info["is_success"]
     return successes / episodes
 

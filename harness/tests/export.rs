@@ -290,6 +290,41 @@ fn the_python_player_plays_in_the_original_environments() {
     }
 }
 
+/// The same policy reaches as many goals there as `evaluate` finds here: intervals of 99.9 % overlap.
+#[test]
+fn the_python_player_succeeds_as_often_as_an_evaluation_here() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (results, out) = (folder.path().join("results"), folder.path().join("policy"));
+    let small = "batch=256 width=64 polyak=0.7 action_l2=0.1 updates_per_cycle=80";
+    let settings: Vec<String> = small.split(' ').map(|setting| format!("student.{setting}")).collect();
+    let mut train =
+        vec!["run", "--env", "FetchReach", "--curriculum", "her-iid", "--seeds", "0", "--steps", "2500"];
+    train.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+    train.extend(["--set", "evaluation.episodes=1", "--quiet", "--out", text(&results)]);
+    let works = |args: &[&str]| {
+        let output = goalbench(args);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output)
+    };
+    works(&train);
+    let run = results.join("runs/FetchReach/her-iid/default/seed-0");
+    works(&["export", text(&run), "--out", text(&out)]);
+    let here: Value = serde_json::from_str(&works(&["evaluate", text(&run), "--episodes", "100", "--json"]))
+        .expect("an object on one line");
+    let output = Command::new(&python).args([PLAYER, text(&out), "50"]).output().expect("Python starts");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let there: f64 = stdout(&output).trim().parse().expect("a success rate");
+    let here = here["success_rate"].as_f64().expect("a success rate");
+    let interval = |rate: f64, episodes: u64| {
+        let successes = (rate * episodes as f64).round() as u64;
+        reports::stats::wilson_interval(successes, episodes, 0.999).expect("episodes")
+    };
+    let (a, b) = (interval(here, 100), interval(there, 50));
+    assert!(here > 0.4, "a policy that reaches few goals tells nothing: {here}");
+    assert!(a.0 <= b.1 && b.0 <= a.1, "{here} here, {there} there");
+}
+
 #[test]
 fn the_description_says_what_the_run_was() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,5 @@
-//! The commands of the tutorial, as they stand there but for the numbers, in an empty folder.
+//! The commands of the tutorial and of a gate for its curriculum, as they stand in the pages but for the
+//! numbers, in an empty folder.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
 
@@ -8,6 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 const PAGE: &str = include_str!("../docs/tutorial.md");
+const GATE: &str = include_str!("../docs/regression.md");
 
 /// What is made smaller, so that all of it takes seconds.
 const SMALLER: [(&str, &str); 4] = [
@@ -20,11 +22,11 @@ const SMALLER: [(&str, &str); 4] = [
     ("--episodes 3", "--episodes 1"),
 ];
 
-/// The fenced blocks of the page in this language, in order.
-fn blocks(language: &str) -> impl Iterator<Item = &'static str> {
+/// The fenced blocks of `page` in this language, in order.
+fn blocks(page: &'static str, language: &str) -> impl Iterator<Item = &'static str> {
     let opening = format!("```{language}\n");
-    let starts: Vec<usize> = PAGE.match_indices(&opening).map(|(at, _)| at + opening.len()).collect();
-    starts.into_iter().map(|at| PAGE[at..].split("```").next().expect("a block"))
+    let starts: Vec<usize> = page.match_indices(&opening).map(|(at, _)| at + opening.len()).collect();
+    starts.into_iter().map(move |at| page[at..].split("```").next().expect("a block"))
 }
 
 /// Runs a block as a shell would, where `goalbench` is on the `PATH`.
@@ -48,20 +50,17 @@ fn shell(commands: &str, folder: &Path) {
 fn every_command_of_the_tutorial_works_and_both_curricula_are_in_their_figures() {
     let folder = tempfile::tempdir().expect("an empty folder");
     let example = support::example("own_curriculum").display().to_string();
-    let program = blocks("python").next().expect("a curriculum in Python");
+    let program = blocks(PAGE, "python").next().expect("a curriculum in Python");
     std::fs::write(folder.path().join("outward.py"), program).expect("it can be written");
     let mut used = [false; SMALLER.len()];
-    for block in blocks("sh") {
+    for block in blocks(PAGE, "sh") {
         let mut commands =
             block.replace("cargo run --release -p goalbench --example own_curriculum --", &example);
         for ((full, small), used) in SMALLER.into_iter().zip(&mut used) {
             *used |= commands.contains(full);
             commands = commands.replace(full, small);
         }
-        // Drawing needs a graphics library, which `harness/tests/render.rs` asks for.
-        let drawn: Vec<&str> =
-            commands.lines().filter(|line| !line.starts_with("goalbench render")).collect();
-        shell(&drawn.join("\n"), folder.path());
+        shell(&commands, folder.path());
     }
     assert_eq!(used, [true; SMALLER.len()], "the page has other numbers");
     for (results, title) in [("first", "TEACH"), ("outward", "Outward"), ("nearest", "Nearest first")] {
@@ -70,4 +69,38 @@ fn every_command_of_the_tutorial_works_and_both_curricula_are_in_their_figures()
         assert!(page.contains(title), "{title} is not on the page");
         assert!(report.join("figures/success-MazeA.png").exists());
     }
+}
+
+/// A baseline of a Python program is recorded and checked by the page's protocol and commands; a program that
+/// was changed since is still checked, and no longer the same.
+#[test]
+fn the_gate_for_a_method_of_ones_own_works_as_its_page_says() {
+    let folder = tempfile::tempdir().expect("an empty folder");
+    let program = blocks(PAGE, "python").next().expect("a curriculum in Python");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("it can be written");
+    };
+    write("outward.py", program);
+    let (mut protocol, smaller) = (
+        blocks(GATE, "toml").next().expect("a protocol").to_owned(),
+        [
+            ("10_000", "400"),
+            ("1_000", "200"),
+            ("episodes = 100", "episodes = 2"),
+            ("batch = 256", "batch = 32"),
+        ],
+    );
+    for (full, small) in smaller {
+        assert!(protocol.contains(full), "the page has other numbers: {full}");
+        protocol = protocol.replace(full, small);
+    }
+    write("mine.toml", &protocol);
+    let commands = blocks(GATE, "sh").find(|block| block.contains("mine.json    #")).expect("its commands");
+    shell(commands, folder.path());
+    let said = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a summary");
+    let same = "identical to the baseline's, byte for byte";
+    assert!(said("gate/summary.md").contains(same), "{}", said("gate/summary.md"));
+    write("outward.py", &program.replace("self.reach = 0.3", "self.reach = 2.0"));
+    shell("goalbench regress check --baseline mine.json --out again || [ $? = 1 ]", folder.path());
+    assert!(!said("again/summary.md").contains(same), "{}", said("again/summary.md"));
 }

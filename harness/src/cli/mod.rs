@@ -89,7 +89,7 @@ enum Command {
     Report(report::Args),
     /// Play many more episodes with the trained policies of runs, to tell them apart
     Evaluate(evaluate::Args),
-    /// Write a trained policy in open formats, for programs of others
+    /// Write a trained policy in open formats, for other programs
     Export(export::Args),
     /// Draw episodes of a trained run, or of random actions, as an animated GIF or PNG frames
     Render(render::Args),

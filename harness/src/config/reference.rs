@@ -152,7 +152,7 @@ fn values(schema: &Json) -> String {
         Some("integer") => format!("a whole number{}", grouped(&interval(schema, branch))),
         Some("number") => format!("a number{}", grouped(&interval(schema, branch))),
         Some("boolean") => "`true` or `false`".to_owned(),
-        Some("string") => "a name in quotes".to_owned(),
+        Some("string") => "a text in quotes".to_owned(),
         Some("array") if branch["items"]["type"] == "string" => "a list of names in quotes".to_owned(),
         _ if branch["const"] == "auto" => "`\"auto\"`".to_owned(),
         _ => "a value like the default".to_owned(),
@@ -234,7 +234,9 @@ fn built_in() -> String {
         NAME` prints a protocol whole.\n\n"
         .to_owned();
     for preset in &PRESETS {
-        let _ = writeln!(text, "- `{}`: {}", preset.id, preset.settings().join("; "));
+        let settings = preset.settings();
+        let said = if settings.is_empty() { "nothing".to_owned() } else { settings.join("; ") };
+        let _ = writeln!(text, "- `{}`: {said}", preset.id);
     }
     text
 }

@@ -1,4 +1,4 @@
-//! The trained policy of a run in open formats, for programs of others.
+//! The trained policy of a run in open formats, for other programs.
 //!
 //! `policy.safetensors` holds the numbers, `policy.json` says what they are: an exported policy needs neither
 //! this program nor its checkpoints.

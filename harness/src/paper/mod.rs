@@ -11,7 +11,7 @@ use curricula::methods::teach::{self, Teach};
 use curricula::{Entry, Method as _};
 use reports::Catalogue;
 use reports::analysis::catalogue::{
-    Axis, EnvironmentInfo, MazeInfo, MethodInfo, Paper, PaperProtocol, ReadingChoice,
+    Axis, Citation, EnvironmentInfo, MazeInfo, MethodInfo, Paper, PaperProtocol, ReadingChoice,
 };
 
 use crate::Registry;
@@ -41,6 +41,12 @@ pub const TASKS: [&[&str]; 11] = [
     &["HandManipulateEgg", "HandManipulateEggRotate"],
 ];
 
+/// How it is cited.
+const TITLE_OF_PAPER: &str = "Chaudhary and Behera, TEACH: Temporal Variance-Driven Curriculum for Reinforcement Learning, arXiv 2512.22824, 2025";
+
+/// How the student's method, DDPG with hindsight experience replay, is cited.
+const STUDENT: &str = "Andrychowicz et al., Hindsight Experience Replay, NeurIPS 2017";
+
 /// Where it shows its main comparison.
 const FIGURES: &str = "Figures 2 and 6";
 
@@ -69,7 +75,25 @@ pub fn catalogue(registry: &Registry) -> Catalogue {
     catalogue.environments = registry.environments().iter().map(environment).collect();
     catalogue.mazes = registry.environments().iter().filter_map(maze).collect();
     catalogue.paper = paper();
+    catalogue.citations = citations(registry);
     catalogue
+}
+
+/// What to cite: this program, its student, and the source of every curriculum.
+fn citations(registry: &Registry) -> Vec<Citation> {
+    let always = |of: &str, text: String| Citation { of: of.to_owned(), curriculum: None, text };
+    let version = env!("CARGO_PKG_VERSION");
+    let of_curriculum = |entry: &Entry| Citation {
+        of: entry.title.to_owned(),
+        curriculum: Some(entry.id.to_owned()),
+        text: entry.source.to_owned(),
+    };
+    let everywhere = [
+        always("Results", format!("The goalbench developers, goalbench, version {version}")),
+        always("Paper", TITLE_OF_PAPER.to_owned()),
+        always("Student", STUDENT.to_owned()),
+    ];
+    everywhere.into_iter().chain(methods(registry).map(of_curriculum)).collect()
 }
 
 /// All methods in the order of legends and tables: those of the paper first.

@@ -10,6 +10,8 @@ use crate::sheet::Sheet;
 
 /// Seeds whose first steps were known before the study.
 const KNOWN: u64 = 12;
+/// Smaller differences are ties, as in the ledger: areas are sums, whose order leaves a rounding error.
+const TIE: f64 = 1e-12;
 /// Coverage of the intervals: the level 0.05 shared by four primary claims.
 const CONFIDENCE: f64 = 1.0 - 0.05 / 4.0;
 
@@ -118,7 +120,7 @@ impl Beside {
                 |values: &Vec<f64>| mean(&values.iter().map(|value| of(*value)).collect::<Vec<_>>());
             mean(&strata.iter().filter_map(stratum).collect::<Vec<_>>()).expect("strata")
         };
-        let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
+        let sign = |value: f64| if value.abs() < TIE { 0.0 } else { value.signum() };
         let signs: Vec<Vec<f64>> =
             strata.iter().map(|values| values.iter().copied().map(sign).collect()).collect();
         Self {

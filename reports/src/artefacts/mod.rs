@@ -7,6 +7,7 @@
 mod ablations;
 mod aggregates;
 mod calibration;
+mod citations;
 mod columns;
 mod comparisons;
 mod costs;
@@ -102,6 +103,7 @@ pub static ARTEFACTS: &[Artefact] = &[
     comparisons::ROW,
     environments::ROW,
     deviations::ROW,
+    citations::ROW,
     options::ROW,
 ];
 

@@ -41,11 +41,7 @@ fn rows(options: &ReportOptions) -> Vec<Row> {
             fewest_pairs.to_string(),
             "pairs of runs that a verdict needs, over all environments",
         ),
-        (
-            "failures",
-            failures.as_str().to_owned(),
-            "runs that broke down: success 0 from then on, or left out",
-        ),
+        ("failures", failures.as_str().to_owned(), "runs that failed: success 0 from then on, or left out"),
         (
             "mixed students",
             answer(*mixed_students),

@@ -91,7 +91,7 @@ fn is_zero(number: &u64) -> bool {
 pub struct Teaching {
     /// The evaluation that it leads up to.
     pub eval_index: u64,
-    /// Training steps so far.
+    /// Steps of the budget so far, as in `records.jsonl`.
     pub step: u64,
     /// The goal of every training episode in order, `[episodes, G]`, in single precision.
     pub goals: Vec<Vec<f32>>,
@@ -99,8 +99,8 @@ pub struct Teaching {
     pub successes: Vec<bool>,
     /// For pool teachers the probability of every pool goal now, `[N]`, in single precision.
     pub weights: Option<Vec<f32>>,
-    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere. absent
-    /// in files older than the field.
+    /// The index in the pool of every episode's goal, `[episodes]`; `null` for a goal from elsewhere.
+    /// Absent in files older than the field.
     #[serde(default)]
     pub picks: Option<Vec<Option<u32>>>,
     /// The teacher's score of every episode's goal when it was chosen, `[episodes]`, in the teacher's own
@@ -124,7 +124,7 @@ pub struct Teaching {
 pub struct Learning {
     /// The evaluation beside which it was taken.
     pub eval_index: u64,
-    /// Training steps so far.
+    /// Steps of the budget so far, as in `records.jsonl`.
     pub step: u64,
     /// The critic's loss, mean (Q(s, g, a) − y)².
     pub critic_loss: Option<f64>,
@@ -164,7 +164,7 @@ impl Learning {
 pub struct Frontier {
     /// The evaluation beside which it was measured.
     pub eval_index: u64,
-    /// Training steps so far.
+    /// Steps of the budget so far, as in `records.jsonl`.
     pub step: u64,
     /// Greedy episodes towards each goal.
     pub episodes: u64,
@@ -176,8 +176,8 @@ pub struct Frontier {
     /// The teacher's probability of every goal of the pool then, `[N]`, in single precision; `null` for
     /// teachers that do not weigh the pool.
     pub weights: Option<Vec<f32>>,
-    /// What the teacher believed of every goal of the pool then; absent of one that tells nothing, and in
-    /// files older than the field.
+    /// What the teacher believed of every goal of the pool then; absent for a teacher that reports nothing,
+    /// and in files older than the field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beliefs: Option<Beliefs>,
 }
@@ -187,7 +187,7 @@ pub struct Frontier {
 #[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beliefs {
-    /// How likely it took the student to succeed at each goal, `[N]`, in [0, 1] and single precision; `null`
+    /// How likely the teacher thought success at each goal was, `[N]`, in [0, 1] and single precision; `null`
     /// for a teacher without such an estimate.
     pub success: Option<Vec<f32>>,
     /// How it scored each goal, `[N]`, in its own unit and in single precision: the larger, the more it
@@ -209,7 +209,7 @@ impl Frontier {
 pub struct Shadowing {
     /// The evaluation that it leads up to.
     pub eval_index: u64,
-    /// Training steps so far.
+    /// Steps of the budget so far, as in `records.jsonl`.
     pub step: u64,
     /// Training episodes since the evaluation before.
     pub episodes: u64,
@@ -232,7 +232,7 @@ pub struct ShadowNote {
     /// How many of its proposals were goals from elsewhere.
     pub elsewhere: u64,
     /// What it believed of every goal of the pool, where the student was measured at these goals; absent
-    /// elsewhere, of one that tells nothing, and in files older than the field.
+    /// elsewhere, for a teacher that reports nothing, and in files older than the field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beliefs: Option<Beliefs>,
     /// Why it has fallen silent; absent from the file of one that has not.
@@ -246,7 +246,7 @@ pub struct ShadowNote {
 pub struct Timing {
     /// The evaluation it belongs to.
     pub eval_index: u64,
-    /// Training steps so far.
+    /// Steps of the budget so far, as in `records.jsonl`.
     pub step: u64,
     /// Seconds of wall-clock time since the run began, evaluations included.
     pub wall_s: f64,

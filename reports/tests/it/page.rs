@@ -41,6 +41,7 @@ fn the_page_needs_nothing_else_and_escapes_names() {
         "comparisons",
         "dimensions",
         "deviations",
+        "citations",
         "protocol",
         "versions",
     ] {

@@ -112,6 +112,7 @@ fn all_files_are_written_and_returned() {
         "tables/comparisons.tex",
         "tables/costs.tex",
         "tables/deviations.tex",
+        "tables/citations.tex",
         "tables/ledger.tex",
         "tables/options.tex",
         "tables/summary.tex",

@@ -31,7 +31,7 @@ be in progress.
 
 Means are over seeds of one config: a run whose config differs from that of its cell is in none. Runs of a results \
 folder that have no policy yet or are damaged are left out and named. Exit code 1 if a run is damaged or differs, \
-none could be evaluated, or one given by itself broke down.")]
+none could be evaluated, or one given by itself failed.")]
 pub(super) struct Args {
     /// Folders of runs (RESULTS/runs/.../seed-N), or results folders for all of their runs
     #[arg(required = true, value_name = "PATH")]

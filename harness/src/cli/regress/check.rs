@@ -23,7 +23,7 @@ use crate::sweep::ExitCode;
 #[derive(clap::Args)]
 #[command(
     after_help = "The baseline holds its protocol. Where PROTOCOL or --preset is given too, it must still be that one: a \
-    protocol that was changed since it was recorded is refused.\n\nExit code 0: nothing fell. 1: something did, or a run broke down. 2: wrong input, or a baseline of \
+    protocol that was changed since it was recorded is refused.\n\nExit code 0: nothing fell. 1: something did, or a run failed. 2: wrong input, or a baseline of \
     another config or schema. 3: stopped by a signal."
 )]
 pub(super) struct Args {

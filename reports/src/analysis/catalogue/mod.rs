@@ -29,6 +29,19 @@ pub struct Catalogue {
     pub mazes: Vec<MazeInfo>,
     /// The paper; the default one compares nothing and claims nothing.
     pub paper: Paper,
+    /// What to cite, in order.
+    pub citations: Vec<Citation>,
+}
+
+/// A work that results rest on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Citation {
+    /// What for, in a few words.
+    pub of: String,
+    /// The curriculum whose runs rest on it, by id; `None`: all results.
+    pub curriculum: Option<String>,
+    /// Authors, title, where and when.
+    pub text: String,
 }
 
 impl Catalogue {
