@@ -80,6 +80,7 @@ fn the_gate_for_a_method_of_ones_own_works_as_its_page_says() {
     let write = |name: &str, text: &str| {
         std::fs::write(folder.path().join(name), text).expect("it can be written");
     };
+    shell("goalbench list python > goalbench_curriculum.py", folder.path());
     write("outward.py", program);
     let (mut protocol, smaller) = (
         blocks(GATE, "toml").next().expect("a protocol").to_owned(),
@@ -95,7 +96,9 @@ fn the_gate_for_a_method_of_ones_own_works_as_its_page_says() {
         protocol = protocol.replace(full, small);
     }
     write("mine.toml", &protocol);
-    let commands = blocks(GATE, "sh").find(|block| block.contains("mine.json    #")).expect("its commands");
+    let commands = blocks(GATE, "sh")
+        .find(|block| block.contains("record --protocol mine.toml --out mine.json    #"))
+        .expect("its commands");
     shell(commands, folder.path());
     let said = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a summary");
     let same = "identical to the baseline's, byte for byte";
