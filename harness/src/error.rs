@@ -137,9 +137,7 @@ pub enum HarnessError {
         source: Cause,
     },
     /// Another process works on the folder.
-    #[error(
-        "{folder}: another goalbench process is working on this folder; wait for it or choose another --out"
-    )]
+    #[error("{folder}: another goalbench process is working on this folder; wait until it has ended")]
     Locked {
         /// The results folder.
         folder: PathBuf,

@@ -2,7 +2,7 @@
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use reports::store::layout;
 use tempfile::TempDir;
@@ -27,10 +27,33 @@ pub(crate) struct FreshFolder {
     folder: TempDir,
     /// Held as a sweep holds its results, so that nobody takes it for abandoned.
     _lock: Lock,
+    /// Dropped after the folder, which lies in them.
+    above: MadeFolders,
+}
+
+/// Folders that were made for one below them, the deepest first. Dropped, those that are empty are removed.
+struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    /// Makes `folder` and those above it that are not there.
+    fn make(folder: &Path) -> Result<Self, HarnessError> {
+        let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
+        let made = Self(missing.map(Path::to_owned).collect());
+        fs::create_dir_all(folder).map_err(HarnessError::io(folder, "create this folder"))?;
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        // One that somebody else has put something into stays.
+        self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
 }
 
 impl FreshFolder {
-    /// A new folder that will belong at `out`; the folders above are made, and what killed processes left of
+    /// A new folder that will belong at `out`; the folders above are made, to be removed again if it does not
+    /// come to lie there, and what killed processes left of
     /// others of its kind is removed.
     ///
     /// # Errors
@@ -38,9 +61,9 @@ impl FreshFolder {
     pub(crate) fn beside(out: &Path, kind: &FolderKind) -> Result<Self, HarnessError> {
         refuse_existing(out)?;
         let parent = outputs::folder_of(out);
-        fs::create_dir_all(parent).map_err(HarnessError::io(parent, "create this folder"))?;
+        let above = MadeFolders::make(parent)?;
         sweep(parent, kind);
-        Self::within(parent, kind, 0o777)
+        Self::within(parent, kind, 0o777, above)
     }
 
     /// A new folder for the time being among the system's temporary ones, from which what killed processes
@@ -51,17 +74,17 @@ impl FreshFolder {
     pub(crate) fn temporary(kind: &FolderKind) -> Result<Self, HarnessError> {
         let parent = std::env::temp_dir();
         sweep(&parent, kind);
-        Self::within(&parent, kind, 0o700)
+        Self::within(&parent, kind, 0o700, MadeFolders(Vec::new()))
     }
 
-    fn within(parent: &Path, kind: &FolderKind, mode: u32) -> Result<Self, HarnessError> {
+    fn within(parent: &Path, kind: &FolderKind, mode: u32, above: MadeFolders) -> Result<Self, HarnessError> {
         let folder = tempfile::Builder::new()
             .prefix(kind.prefix)
             .rand_bytes(RANDOM)
             .permissions(Permissions::from_mode(mode))
             .tempdir_in(parent)
             .map_err(HarnessError::io(parent, "write in this folder"))?;
-        Ok(Self { _lock: Lock::take(folder.path())?, folder })
+        Ok(Self { _lock: Lock::take(folder.path())?, folder, above })
     }
 
     /// Where it lies until it is complete.
@@ -73,9 +96,10 @@ impl FreshFolder {
     ///
     /// # Errors
     /// [`HarnessError::Exists`] if something has come to lie there, [`HarnessError::Io`].
-    pub(crate) fn put(self, out: &Path) -> Result<(), HarnessError> {
+    pub(crate) fn put(mut self, out: &Path) -> Result<(), HarnessError> {
         refuse_existing(out)?;
         fs::rename(self.path(), out).map_err(HarnessError::io(out, "create this folder"))?;
+        self.above.0.clear();
         // Renamed away: there is nothing left for the guard to remove.
         let _ = self.folder.keep();
         Ok(())

@@ -83,9 +83,50 @@ fn check_inputs(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<(
     if path.as_os_str().is_empty() {
         return Err(HarnessError::Argument { option, reason: "the path is empty".to_owned() });
     }
+    if let Some(runs) = runs_around(path) {
+        let what = format!(
+            "lies in {}, which holds the runs of a results folder; name another place",
+            runs.display()
+        );
+        return wrong(option, path, &what);
+    }
     let Ok(place) = path.canonicalize() else { return Ok(()) };
     if inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == place)) {
         return wrong(option, path, "is read by this command and would be overwritten; name another place");
+    }
+    Ok(())
+}
+
+/// The folder of runs that `path` is or would lie in, if there is one: only sweeps write there.
+fn runs_around(path: &Path) -> Option<PathBuf> {
+    let absolute = std::path::absolute(path).ok()?;
+    let there = absolute.ancestors().find(|above| above.exists())?;
+    let whole = there.canonicalize().ok()?.join(absolute.strip_prefix(there).ok()?);
+    let is_runs = |above: &&Path| {
+        above.parent().is_some_and(|results| layout::runs_dir(results) == **above)
+            && holds_runs(above, layout::DEPTH)
+    };
+    whole.ancestors().find(is_runs).map(Path::to_owned)
+}
+
+/// Whether a manifest lies `depth` folders below `folder`.
+fn holds_runs(folder: &Path, depth: usize) -> bool {
+    if depth == 0 {
+        return folder.join(layout::MANIFEST).exists();
+    }
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter(|entry| entry.path().is_dir()).any(|entry| holds_runs(&entry.path(), depth - 1))
+}
+
+/// Checks that two places which one command makes do not lie in each other.
+///
+/// # Errors
+/// [`HarnessError::Argument`] naming the first option.
+pub fn apart(one: (&'static str, &Path), other: (&'static str, &Path)) -> Result<(), HarnessError> {
+    let [a, b] = [one.1, other.1].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+    if a.starts_with(&b) || b.starts_with(&a) {
+        let what = format!("and {} {} lie in each other; name two places", other.0, other.1.display());
+        return wrong(one.0, one.1, &what);
     }
     Ok(())
 }
@@ -121,6 +162,34 @@ fn unwritable(option: &'static str, path: &Path, error: std::io::Error) -> Harne
 mod tests {
     use super::*;
     use crate::error::chain;
+
+    #[test]
+    fn nothing_is_written_among_runs_and_no_two_outputs_lie_in_each_other() {
+        let folder_guard = tempfile::tempdir().expect("a temporary folder");
+        let results = folder_guard.path().join("results");
+        let run = results.join("runs/MazeA/teach/default/seed-0");
+        fs::create_dir_all(&run).expect("it can be made");
+        for free in [results.join("runs"), results.join("runs/x.json"), results.join("report")] {
+            folder("--out", &free, &[]).expect("there is no run yet");
+        }
+        fs::write(run.join(layout::MANIFEST), "{}").expect("it can be written");
+        for taken in [results.join("runs"), run.join("records.jsonl"), results.join("runs/MazeA/new/b.json")]
+        {
+            let told = chain(&file("--out", &taken, &[]).expect_err("it is refused"));
+            assert!(
+                told.contains("holds the runs of a results folder") || told.contains("is a folder"),
+                "{told}"
+            );
+            folder("--out", &taken, &[]).expect_err("it is refused");
+        }
+        file("--out", &results.join("report/b.json"), &[]).expect("there are no runs in it");
+
+        let (a, b) = (Path::new("x/a"), Path::new("x/a/b"));
+        apart(("--out", a), ("--keep", b)).expect_err("one lies in the other");
+        apart(("--out", b), ("--keep", a)).expect_err("one lies in the other");
+        apart(("--out", a), ("--keep", a)).expect_err("they are the same");
+        apart(("--out", a), ("--keep", Path::new("x/ab"))).expect("they are two");
+    }
 
     #[test]
     fn what_is_in_the_way_is_told_and_nothing_is_left() {

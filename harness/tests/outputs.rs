@@ -237,3 +237,84 @@ fn without_proc_the_program_says_what_it_needs() {
     }
     assert_eq!(names(folder.path()), [""; 0]);
 }
+
+/// Everything in the folder, by path, with the bytes of files.
+fn tree(folder: &Path) -> Vec<(std::path::PathBuf, Option<Vec<u8>>)> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            found.push((entry.clone(), fs::read(&entry).ok()));
+            if entry.is_dir() {
+                folders.push(entry);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Results that are read, or lie in the way, stay as they are, whatever command is given.
+#[test]
+fn nothing_is_written_among_the_runs_of_results() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    fs::write(here.join("p.toml"), format!("name = 'p'\n{PROTOCOL}")).expect("it can be written");
+    assert!(within(here, &["run", "p.toml", "--out", "base", "--quiet"]).status.success());
+    assert!(within(here, &["pack", "base", "--out", "base.tar.zst"]).status.success());
+    let before = tree(&here.join("base"));
+    let (runs, run) = ("base/runs", "base/runs/Point/teach/default/seed-0");
+    let records = format!("{run}/records.jsonl");
+    let new = format!("{runs}/Point/teach/x");
+    let record = ["regress", "record", "p.toml", "--results", "base"];
+    for args in [
+        &[&record[..], &["--out", &records]].concat()[..],
+        &[&record[..], &["--out", &new]].concat(),
+        &["run", "p.toml", "--out", &new],
+        &["unpack", "base.tar.zst", "--out", &new],
+        &["merge", "base", "--out", &new],
+        &["man", runs],
+        &["pack", "base", "--out", &format!("{new}.tar.zst")],
+        &["render", run, "--out", &format!("{new}.gif")],
+    ] {
+        refused(here, args, &["base/runs"]);
+    }
+    assert!(tree(&here.join("base")) == before, "the results are what they were");
+}
+
+#[test]
+fn what_a_command_was_to_make_leaves_no_folders_behind_when_it_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    fs::write(here.join("no.tar.zst"), "x").expect("it can be written");
+    refused(
+        here,
+        &["unpack", "nowhere.tar.zst", "--out", "a/b/c"],
+        &["nowhere.tar.zst: cannot read this file"],
+    );
+    refused(here, &["unpack", "no.tar.zst", "--out", "a/b/c"], &["no.tar.zst: cannot use this archive"]);
+    refused(here, &["export", "nowhere", "--out", "a/b"], &["nowhere: is no folder of a run"]);
+}
+
+/// One of two settings, or one place for two things, would be lost without a word.
+#[test]
+fn what_one_command_says_twice_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    fs::write(here.join("p.toml"), format!("name = 'p'\n{PROTOCOL}")).expect("it can be written");
+    let run = |more: &[&'static str]| [&["run", "p.toml", "--out", "new"][..], more].concat();
+    let twice = "give one of them";
+    refused(
+        here,
+        &run(&["--steps", "200", "--set", "budget.steps=100"]),
+        &["--steps", "budget.steps=100", twice],
+    );
+    refused(here, &run(&["--set", "budget={steps=100}", "--steps", "200"]), &["--steps", twice]);
+    refused(here, &run(&["--device", "cpu", "--set", "student.device='cpu'"]), &["--device", twice]);
+    refused(here, &run(&["--shadow", "vds", "--set", "shadow=['lp']"]), &["--shadow", twice]);
+    refused(here, &["regress", "record", "p.toml", "--out", "x", "--keep", "x"], &["--keep", "--out x"]);
+    refused(here, &["quickstart", "--preset", "smoke"], &["quickstart: runs the preset `quickstart`"]);
+    refused(here, &["quickstart", "--bogus"], &["Usage: goalbench quickstart"]);
+    let output = within(here, &run(&["--shadow", "teach", "--print-config"]));
+    assert!(stderr(&output).contains("the shadow `teach` changes nothing"), "{}", stderr(&output));
+}

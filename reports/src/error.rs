@@ -37,7 +37,7 @@ pub enum ReportError {
         accepted: &'static str,
     },
     /// A part of the results that is not there.
-    #[error("option {option}: no run of the results has {value}; accepted: {there}")]
+    #[error("--{option}: no run of the results has {value}; accepted: {there}")]
     NotInResults {
         /// Name of the field of [`Options`](crate::ReportOptions).
         option: &'static str,

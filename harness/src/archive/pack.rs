@@ -1,6 +1,6 @@
 //! From a results folder to an archive.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -158,7 +158,9 @@ fn chosen<'a>(runs: &'a [Run], choice: &PolicyChoice) -> Result<Vec<&'a Run>, Pa
         }
         PolicyChoice::Seeds(seeds) => {
             if let Some(&seed) = seeds.iter().find(|seed| finished().all(|run| run.key().seed != **seed)) {
-                return Err(PackProblem::NoPolicy(seed));
+                let there: BTreeSet<u64> = finished().map(|run| run.key().seed).collect();
+                let names: Vec<String> = there.iter().map(u64::to_string).collect();
+                return Err(PackProblem::NoPolicy { seed, finished: names.join(", ") });
             }
             finished().filter(|run| seeds.contains(&run.key().seed)).collect()
         }

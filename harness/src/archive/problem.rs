@@ -1,6 +1,7 @@
 //! What is wrong with an archive, or with results that are to become one.
 
 use std::io;
+use std::path::PathBuf;
 
 /// Why an archive is not used. Nothing of it is.
 #[derive(Debug, thiserror::Error)]
@@ -9,6 +10,14 @@ pub enum ArchiveProblem {
     /// It cannot be read, or it is not compressed by zstd, or cut off.
     #[error("it cannot be read as a tar archive compressed by zstd")]
     Unreadable(#[from] io::Error),
+    /// A file of it cannot be written where it is unpacked.
+    #[error("{path} cannot be written")]
+    Unwritable {
+        /// Where it would lie.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
     /// It unpacks to more than any results.
     #[error("it unpacks to more than {0} bytes")]
     TooLarge(u64),
@@ -57,8 +66,15 @@ pub enum PackProblem {
     #[error("these runs have not ended; finish them with `goalbench run`, or delete their folders:\n  {0}")]
     Unfinished(String),
     /// A policy that was asked for is not there.
-    #[error("no run with seed {0} has finished, so there is no policy of it")]
-    NoPolicy(u64),
+    #[error(
+        "--policies: no run with seed {seed} has finished, so there is no policy of it; finished are {finished}"
+    )]
+    NoPolicy {
+        /// The seed.
+        seed: u64,
+        /// The seeds of runs that have finished.
+        finished: String,
+    },
     /// A name that the archive's format cannot hold.
     #[error(
         "`{0}` cannot be called so in an archive, which takes plain names of at most 100 bytes below folders of 155"

@@ -74,8 +74,12 @@ pub fn unpack_to(path: &Path, out: &Path) -> Result<Unpacked, HarnessError> {
 
 /// Puts what is wanted of the archive at `path` into `folder`, and checks all of it.
 fn checked(path: &Path, folder: &Path, wanted: Wanted) -> Result<Unpacked, HarnessError> {
-    let refused = |problem: ArchiveProblem| HarnessError::unusable(path.display(), USE)(problem);
-    let sha256 = read(path, folder, wanted).map_err(refused)?;
+    let refused = |problem: ArchiveProblem| match problem {
+        ArchiveProblem::Unwritable { path, source } => HarnessError::io(path, "write this file")(source),
+        problem => HarnessError::unusable(path.display(), USE)(problem),
+    };
+    let file = files::open(path).map_err(HarnessError::io(path, "read this file"))?;
+    let sha256 = read(file, folder, wanted).map_err(refused)?;
     if !layout::runs_dir(folder).is_dir() {
         return Err(refused(ArchiveProblem::Empty));
     }
@@ -87,9 +91,8 @@ fn checked(path: &Path, folder: &Path, wanted: Wanted) -> Result<Unpacked, Harne
     Ok(Unpacked { store, sha256 })
 }
 
-/// Puts what is wanted into `folder`. Gives the archive's checksum.
-fn read(path: &Path, folder: &Path, wanted: Wanted) -> Result<String, ArchiveProblem> {
-    let mut file = files::open(path)?;
+/// Puts what is wanted of `file` into `folder`. Gives the archive's checksum.
+fn read(mut file: File, folder: &Path, wanted: Wanted) -> Result<String, ArchiveProblem> {
     let (sha256, size) = sums::of(&mut file)?;
     file.seek(SeekFrom::Start(0))?;
     let most = size.saturating_mul(MOST_GROWTH).saturating_add(ALWAYS_ALLOWED).min(MOST_BYTES);
@@ -179,11 +182,19 @@ fn list(entry: &mut impl Read) -> io::Result<String> {
 }
 
 /// Writes a file where nothing lies yet. Gives its checksum.
-fn place(entry: &mut impl Read, path: &Path) -> io::Result<String> {
-    fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-    let mut file = Summing::new(File::create_new(path)?);
-    io::copy(entry, &mut file)?;
-    file.flush()?;
+fn place(entry: &mut impl Read, path: &Path) -> Result<String, ArchiveProblem> {
+    let unwritable = |source| ArchiveProblem::Unwritable { path: path.to_owned(), source };
+    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(unwritable)?;
+    let mut file = Summing::new(File::create_new(path).map_err(unwritable)?);
+    // Not `io::copy`, whose error does not tell a damaged archive from a full disk.
+    let mut bytes = [0; 1 << 16];
+    loop {
+        match entry.read(&mut bytes)? {
+            0 => break,
+            count => file.write_all(&bytes[..count]).map_err(unwritable)?,
+        }
+    }
+    file.flush().map_err(unwritable)?;
     Ok(file.sum())
 }
 

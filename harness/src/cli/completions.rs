@@ -24,7 +24,7 @@ pub(super) struct CompletionsArgs {
 
 #[derive(clap::Args)]
 #[command(
-    after_help = "Read them with `man -M`, or put them where `manpath` looks: ~/.local/share/man/man1."
+    after_help = "Read one with `man DIR/goalbench.1`, or put them where `man goalbench` looks: ~/.local/share/man/man1."
 )]
 pub(super) struct ManArgs {
     /// Folder to write a page for each command into

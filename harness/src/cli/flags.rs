@@ -41,7 +41,7 @@ pub(super) struct ProtocolFlags {
     file: Option<PathBuf>,
     /// Built-in protocol; `goalbench list presets` names them
     #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
+    pub(super) preset: Option<String>,
 }
 
 /// A protocol as it was written.

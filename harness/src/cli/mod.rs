@@ -194,7 +194,7 @@ pub fn main(registry: Registry) -> ! {
     };
     let code = result.unwrap_or_else(|error| {
         complain_of(&error);
-        ExitCode::WrongInput
+        if is_want_of_room(&error) { ExitCode::Failed } else { ExitCode::WrongInput }
     });
     console::end(code)
 }
@@ -215,6 +215,14 @@ fn without_a_command(answer: clap::Error) -> ExitCode {
 fn outlive_file_limits() {
     // If the system refuses, all stays as it was.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
+/// Whether a disk was full, or a limit on files reached: no input of the user's was wrong.
+fn is_want_of_room(error: &HarnessError) -> bool {
+    use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    let causes = std::iter::successors(Some(error as &dyn std::error::Error), |error| error.source());
+    let mut kinds = causes.filter_map(|cause| Some(cause.downcast_ref::<std::io::Error>()?.kind()));
+    kinds.any(|kind| matches!(kind, StorageFull | QuotaExceeded | FileTooLarge))
 }
 
 /// Writes an error and what caused it to standard error.

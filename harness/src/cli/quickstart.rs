@@ -1,10 +1,15 @@
 //! `goalbench quickstart`.
 
 use std::ffi::{OsStr, OsString};
+use std::io::Write as _;
 
 use super::{Cli, Command, Exit, ExitCode, complain, misuse, report, run, without_a_command};
 use crate::Registry;
 use crate::console::word;
+use crate::error::HarnessError;
+
+/// What is run.
+const PRESET: &str = "quickstart";
 
 #[derive(clap::Args)]
 #[command(after_help = "`goalbench protocol show quickstart` prints what is run.")]
@@ -16,14 +21,24 @@ pub(super) struct Args {
 
 /// Runs the preset `quickstart`, and draws its report once all runs have ended well.
 pub(super) fn quickstart(registry: &Registry, args: &Args) -> Exit {
-    let words = ["run", "--preset", "quickstart"].into_iter().map(OsStr::new);
+    let words = ["run", "--preset", PRESET].into_iter().map(OsStr::new);
     let run = match command(words.chain(args.arguments.iter().map(OsString::as_os_str))) {
         Ok(Command::Run(run)) => run,
         Ok(_) => return Ok(ExitCode::WrongInput),
+        Err(answer) if answer.use_stderr() => {
+            // The words are the user's, the command `run` is not.
+            let text = misuse::text::<Cli>(answer).replace("goalbench run", "goalbench quickstart");
+            let _ = std::io::stderr().write_all(text.as_bytes());
+            return Ok(ExitCode::WrongInput);
+        }
         Err(answer) => return Ok(without_a_command(answer)),
     };
+    if !run.is_preset(PRESET) {
+        let reason = format!("runs the preset `{PRESET}`; `goalbench run` takes other protocols");
+        return Err(HarnessError::Argument { option: "quickstart", reason });
+    }
     let code = run::run(registry, &run)?;
-    let Some(results) = run.results("quickstart").filter(|_| code == ExitCode::Success) else {
+    let Some(results) = run.results(PRESET).filter(|_| code == ExitCode::Success) else {
         return Ok(code);
     };
     match command([OsStr::new("report"), OsStr::new("--quiet"), results.as_os_str()]) {

@@ -22,6 +22,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn verify(args: &Args) -> Exit {
+    if !args.folder.is_dir() {
+        let reason =
+            format!("{} is no folder; name one that holds traces (*.json.gz)", args.folder.display());
+        return Err(HarnessError::Argument { option: "FOLDER", reason });
+    }
     let files = verify_dir(&args.folder).map_err(HarnessError::Traces)?;
     let good = |file: &Result<FileReport, TraceError>| file.as_ref().is_ok_and(FileReport::passed);
     let failures = files.iter().filter(|file| !good(file)).count();

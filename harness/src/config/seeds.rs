@@ -41,12 +41,16 @@ fn check_number(seeds: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses a seed that is named twice, and more seeds than anybody means.
+/// Refuses a seed that is named twice, one that no document can hold, and more seeds than anybody means.
 ///
 /// # Errors
 /// A message naming it, or the number.
 pub fn unique(seeds: &[u64]) -> Result<(), String> {
     check_number(seeds.len() as u64)?;
+    // A copy of the protocol has to hold them.
+    if let Some(seed) = seeds.iter().find(|&&seed| i64::try_from(seed).is_err()) {
+        return Err(format!("seed {seed} is larger than {}, the largest number of TOML", i64::MAX));
+    }
     let mut sorted = seeds.to_vec();
     sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -64,12 +68,25 @@ mod tests {
         assert_eq!(parse("0..7"), Ok(vec![0, 1, 2, 3, 4, 5, 6]));
         assert_eq!(parse("0,3"), Ok(vec![0, 3]));
         assert_eq!(parse("0..2, 10"), Ok(vec![0, 1, 10]));
+        assert_eq!(parse("9223372036854775807"), Ok(vec![i64::MAX as u64]));
         assert_eq!(parse(" 1 .. 3 , 1_000, 2e3"), Ok(vec![1, 2, 1000, 2000]));
     }
 
     #[test]
     fn anything_else_says_what_is_accepted() {
-        for bad in ["", "a", "3..1", "1..1", "0..", "-1", "0,0", "0..99999999999", "0..10000,10000..10001"] {
+        for bad in [
+            "9223372036854775808",
+            "18446744073709551615",
+            "",
+            "a",
+            "3..1",
+            "1..1",
+            "0..",
+            "-1",
+            "0,0",
+            "0..99999999999",
+            "0..10000,10000..10001",
+        ] {
             let error = parse(bad).expect_err(bad);
             assert!(!error.is_empty(), "{bad}");
         }

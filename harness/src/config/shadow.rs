@@ -12,7 +12,7 @@ use crate::suggest::closest;
 pub const ALL: &str = "all";
 
 /// Path of the field.
-const FIELD: &str = "shadow";
+pub const FIELD: &str = "shadow";
 
 /// The ids of the shadows of a run in which `own` acts, as `written` names them: each once, without the one
 /// that acts, in the order of the registry. `lacks` tells whether a curriculum lacks what it cannot teach
@@ -44,8 +44,12 @@ pub(super) fn read(
 
 /// Whether the config that is written in `table` makes the curriculum `id` a shadow of some run.
 pub fn names(table: &Table, id: &str) -> bool {
-    let names = table.get(FIELD).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
-    names.into_iter().any(|name| name == id || name == ALL)
+    named(table).any(|name| name == id || name == ALL)
+}
+
+/// The shadows that `table` names as they stand there, [`ALL`] included.
+pub fn named(table: &Table) -> impl Iterator<Item = &str> {
+    table.get(FIELD).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
 }
 
 #[cfg(test)]

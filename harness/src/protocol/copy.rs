@@ -106,7 +106,7 @@ fn document(protocol: &Protocol) -> String {
 /// The document that runs the same as a protocol that has none.
 fn generated(protocol: &Protocol) -> String {
     let names = |ids: &[String]| toml::Value::Array(ids.iter().map(|id| id.as_str().into()).collect());
-    // Seeds that TOML's integers cannot hold are none that a run can have.
+    // Every list of seeds was checked to fit into TOML's integers.
     let seeds = protocol.seeds.iter().map(|&seed| i64::try_from(seed).unwrap_or(i64::MAX).into()).collect();
     let mut table = Table::from_iter([
         ("name".to_owned(), protocol.name.as_str().into()),

@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::plan::{Plan, PlannedRun};
 use super::{Patch, Protocol};
+use crate::config::layer::ConfigLayer;
 use crate::config::shadow;
 
 /// A sentence for each part of a document that none of its own runs can use.
@@ -63,9 +64,21 @@ impl Protocol {
                 ));
             }
         }
+        notes.extend(self.options.iter().chain([&self.base]).flat_map(|layer| unseen_shadows(layer, plan)));
         notes.extend(alike(plan));
         notes
     }
+}
+
+/// A sentence for each shadow that `layer` names and no run has.
+fn unseen_shadows(layer: &ConfigLayer, plan: &Plan) -> Vec<String> {
+    let watches = |id: &str| plan.runs.iter().any(|run| run.config.shadow.iter().any(|shadow| shadow == id));
+    let idle = shadow::named(&layer.table).filter(|id| *id != shadow::ALL && !watches(id));
+    idle.map(|id| {
+        let place = layer.origin.place(&[shadow::FIELD]);
+        format!("{place}: the shadow `{id}` changes nothing: it acts itself, or another list of shadows takes the place")
+    })
+    .collect()
 }
 
 /// Whether the curriculum `id` acts or watches in some run of `protocol`.

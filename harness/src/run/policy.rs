@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use agents::Agent;
 use envs::{EnvOptions, GoalEnv, Spec};
 use reports::schema::{Manifest, RunKey};
+use reports::store::layout;
 
 use super::checkpoint::{self, CHECKPOINT};
 use super::folder;
@@ -25,9 +26,15 @@ pub struct Policy {
 impl Policy {
     /// Reads the run in `folder`.
     ///
-    /// # Errors [`HarnessError`] if there is no run, or the run has no checkpoint yet, is damaged, or has an
+    /// # Errors
+    /// [`HarnessError`] if there is no run, or the run has no checkpoint yet, is damaged, or has an
     /// environment or curriculum that `registry` lacks.
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
+        if layout::key_at(folder).is_none() && !folder.join(layout::MANIFEST).exists() {
+            let reason =
+                "is no folder of a run (RESULTS/runs/ENVIRONMENT/CURRICULUM/VARIANT/seed-N)".to_owned();
+            return Err(HarnessError::Missing { path: folder.to_owned(), reason });
+        }
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;
         let saved = checkpoint::read(folder, &manifest)?;

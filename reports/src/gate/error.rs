@@ -40,7 +40,7 @@ pub enum GateError {
         cell: String,
     },
     /// A file that is no JSON, or not that of a baseline.
-    #[error("{path}: is no baseline{}", renewal(None, path))]
+    #[error("{path}: is no baseline, which `goalbench regress record` writes as JSON")]
     NoBaseline {
         /// The file.
         path: PathBuf,

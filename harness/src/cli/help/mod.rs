@@ -9,6 +9,7 @@ use super::{Exit, ExitCode, print};
 use crate::Registry;
 use crate::config::reference;
 use crate::error::HarnessError;
+use guard::text::short;
 use topics::TOPICS;
 
 #[derive(clap::Args)]
@@ -28,6 +29,12 @@ pub(super) fn help(registry: &Registry, program: clap::Command, args: &Args) -> 
             let fields = reference::fields(registry.config_schema());
             HarnessError::unknown("", "config field", path, fields.iter().map(|field| field.path.as_str()))
         })?,
+        [id, word, ..] if topic(id).is_some() => {
+            let path =
+                if *id == "config" { "one path, as in `config student.noise`" } else { "no further word" };
+            let reason = format!("the page `{id}` takes {path}; `{}` follows", short(word));
+            return Err(HarnessError::Argument { option: "help", reason });
+        }
         names => of_command(program, names)?,
     };
     print(&text);

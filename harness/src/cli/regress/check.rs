@@ -68,7 +68,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
     if let Some(folder) = &args.out {
         outputs::folder("--out", folder, &[args.baseline.as_path()])?;
     }
-    args.runs.check_outputs()?;
+    args.runs.check_outputs(args.out.as_deref())?;
     let mut protocol = regress::protocol(&baseline, &args.baseline, registry)?;
     let mut notes = narrow(&mut protocol, registry, args)?;
     protocol.seeds = match &args.seeds {
@@ -89,7 +89,7 @@ pub(super) fn check(registry: &Registry, args: &Args) -> Exit {
         // Told before anything is run.
         let tests = compare::samples(&before, &before, settings.window).len();
         compare::check_seeds(protocol.seeds.len(), baseline.seeds.len(), tests, settings.alpha)
-            .map_err(name_options)?;
+            .map_err(name_options("--seeds"))?;
     }
 
     let Some(results) = args.runs.obtain(&plan)? else { return Ok(ExitCode::Stopped) };

@@ -44,7 +44,8 @@ pub(super) fn simulate(registry: &Registry, args: &Args) -> Exit {
     let plan = Plan::new(&regress::protocol(&baseline, &args.baseline, registry)?, registry)?;
     let cells = baseline.cells_of(&regress::expected(&plan), &args.baseline)?;
     let simulation = Simulation { now: args.now, before: args.before, draws: args.draws, seed: args.seed };
-    let alarms = false_alarms::simulate(&cells, simulation, settings).map_err(name_options)?;
+    let alarms =
+        false_alarms::simulate(&cells, simulation, settings).map_err(name_options("--now, --before"))?;
     print(&format!(
         "{} of {} of {} against {} others failed: {:.2} % (95 % interval {:.2} % to {:.2} %); alpha {}, smallest \
          effect {}\n",

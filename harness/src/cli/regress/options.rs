@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use reports::gate::GateError;
 use reports::gate::compare::Settings;
+use reports::store::layout;
 use reports::wording::counted;
 
 use crate::cli::complain;
@@ -71,14 +72,16 @@ pub(super) struct RunsArgs {
     keep: Option<PathBuf>,
 }
 
-/// Names the options under which the gate could never fail or could not be computed.
-pub(super) fn name_options(error: GateError) -> HarnessError {
-    let option = match error {
-        GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => "--seeds",
-        GateError::Draws { .. } => "--now, --before, --draws",
-        error => return error.into(),
-    };
-    HarnessError::flag(option)(error)
+/// Names the option `seeds` where with its number of seeds the gate could never fail or not be computed.
+pub(super) fn name_options(seeds: &'static str) -> impl FnOnce(GateError) -> HarnessError {
+    move |error| {
+        let option = match error {
+            GateError::TooFewSeeds { .. } | GateError::TooManySeeds { .. } => seeds,
+            GateError::Draws { .. } => "--now, --before, --draws",
+            error => return error.into(),
+        };
+        HarnessError::flag(option)(error)
+    }
 }
 
 /// A results folder in which all runs have ended.
@@ -99,9 +102,11 @@ impl EndedRuns {
 }
 
 impl RunsArgs {
-    /// Checks that the runs can be kept where they are to be kept.
-    pub(super) fn check_outputs(&self) -> Result<(), HarnessError> {
-        self.keep.as_deref().map_or(Ok(()), |folder| outputs::folder("--keep", folder, &[]))
+    /// Checks that the runs can be kept where they are to be kept, apart from what `--out` names.
+    pub(super) fn check_outputs(&self, out: Option<&Path>) -> Result<(), HarnessError> {
+        let Some(keep) = self.keep.as_deref() else { return Ok(()) };
+        outputs::folder("--keep", keep, &[])?;
+        out.map_or(Ok(()), |out| outputs::apart(("--keep", keep), ("--out", out)))
     }
 
     /// The runs of `plan`, carried out or found; `None` if a signal stopped them.
@@ -111,7 +116,12 @@ impl RunsArgs {
     pub(super) fn obtain(&self, plan: &Plan) -> Result<Option<EndedRuns>, HarnessError> {
         let results = match (&self.results, &self.keep) {
             (Some(folder), _) => {
-                check_ended(&Sweep::survey(plan, folder, Reopen::default())?, folder)?;
+                if !layout::runs_dir(folder).is_dir() {
+                    let reason = format!("{} is no results folder: it has no runs/", folder.display());
+                    return Err(HarnessError::Argument { option: "--results", reason });
+                }
+                let sweep = Sweep::survey(plan, folder, Reopen::default()).map_err(of_another_protocol)?;
+                check_ended(&sweep, folder)?;
                 return Ok(Some(EndedRuns::Kept(folder.clone())));
             }
             (None, Some(folder)) if folder.exists() => {
@@ -157,6 +167,24 @@ fn have_ended(endings: &Endings) -> Result<bool, HarnessError> {
         Ending::Ended(_) | Ending::Stopped | Ending::Taken => None,
     });
     crash.map_or(Ok(true), Err)
+}
+
+/// Says of results with runs of another config what a reader of them can do.
+fn of_another_protocol(error: HarnessError) -> HarnessError {
+    let reason = match error {
+        HarnessError::OtherConfig { folder, differences } => {
+            format!("{}: this run was recorded with another config:\n{differences}", folder.display())
+        }
+        HarnessError::Shorter { folder, recorded, wanted } => format!(
+            "{}: this run was recorded with a budget of {recorded} training steps, not {wanted}",
+            folder.display()
+        ),
+        error => return error,
+    };
+    HarnessError::Argument {
+        option: "--results",
+        reason: format!("{reason}\nName results of this protocol."),
+    }
 }
 
 /// Checks that every run of a sweep has ended in `results` before.

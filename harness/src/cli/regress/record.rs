@@ -13,6 +13,7 @@ use super::{Exit, print};
 use crate::Registry;
 use crate::cli::flags::{ProtocolFlags, SeedsFlag, parse_seeds};
 use crate::cli::{complain, warn_of_idle};
+use crate::console::word;
 use crate::error::{HarnessError, chain};
 use crate::outputs;
 use crate::protocol::Protocol;
@@ -30,7 +31,7 @@ const CHECK_SEEDS: usize = 5;
 pub(super) struct Args {
     #[command(flatten)]
     protocol: ProtocolFlags,
-    /// Baseline file to write (JSON)
+    /// Baseline file to write (JSON); one of this name is replaced
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -47,7 +48,7 @@ pub(super) struct Args {
 pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
     let settings = args.settings.over(Settings::default())?;
     outputs::file("--out", &args.out, &args.protocol.inputs())?;
-    args.runs.check_outputs()?;
+    args.runs.check_outputs(Some(&args.out))?;
     let written = args.protocol.text()?.ok_or_else(|| HarnessError::Argument {
         option: "regress record",
         reason: "give a protocol file or --preset NAME".to_owned(),
@@ -81,7 +82,7 @@ pub(super) fn record(registry: &Registry, args: &Args) -> Exit {
         "{} of {} recorded in {}; next: goalbench regress check --baseline {2}\n",
         counted(count, "cell"),
         counted(baseline.seeds.len(), "seed"),
-        args.out.display()
+        word(&args.out)
     ));
     Ok(ExitCode::Success)
 }

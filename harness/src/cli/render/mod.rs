@@ -39,7 +39,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>(..))]
     seed: u64,
     /// Width and height of the pictures, pixels
-    #[arg(long, value_name = "N", default_value_t = 360, value_parser = whole::<u32>(..))]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = whole::<u32>(1..=4096))]
     size: u32,
 }
 
@@ -67,6 +67,9 @@ pub(super) fn render(registry: &Registry, args: &Args) -> Exit {
             _ => outputs::file(option, place, &[])?,
         }
         args.run.as_ref().map_or(Ok(()), |run| outputs::outside_runs(option, place, run))?;
+    }
+    if let (Some(frames), Some(out)) = (&args.frames, &args.out) {
+        outputs::apart(("--frames", frames), ("--out", out))?;
     }
     let renderer = Renderer::new(env.as_ref(), args.size, args.size)?;
     let pictures = args.episodes * (env.spec().horizon as u64 + 1);

@@ -63,6 +63,7 @@ impl Animation {
         let side = u16::try_from(side).expect("pictures have at most 4096 pixels a side");
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let begun = || {
+            std::fs::create_dir_all(folder)?;
             let file = new_file(folder)?;
             let mut encoder = gif::Encoder::new(BufWriter::new(file.reopen()?), side, side, &[])?;
             encoder.set_repeat(gif::Repeat::Infinite)?;

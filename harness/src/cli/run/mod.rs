@@ -169,6 +169,13 @@ impl Args {
     }
 }
 
+impl Args {
+    /// Whether the built-in protocol `name` is to be run, and no other.
+    pub(super) fn is_preset(&self, name: &str) -> bool {
+        self.protocol.inputs().is_empty() && self.protocol.preset.as_deref() == Some(name)
+    }
+}
+
 /// The results folder of the protocol `name`.
 fn results(args: &Args, name: &str) -> PathBuf {
     let results = args.out.clone().unwrap_or_else(|| PathBuf::from("results").join(name));
@@ -261,10 +268,33 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {
-        protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
+        let layer = ConfigLayer::from_assignment("--set", assignment)?;
+        refuse_twice(args, &layer, assignment)?;
+        protocol.set(layer);
     }
     if !is_named {
         protocol.name_by_options();
     }
     Ok(protocol)
+}
+
+/// Refuses an assignment of what an option of its own gives as well: one of them would be silently ignored.
+fn refuse_twice(args: &Args, layer: &ConfigLayer, assignment: &str) -> Result<(), HarnessError> {
+    let given: [(&'static str, bool, &[&str]); 3] = [
+        ("--steps", args.steps.is_some(), &["budget", "steps"]),
+        ("--device", args.device.is_some(), &["student", "device"]),
+        ("--shadow", !args.shadow.is_empty(), &["shadow"]),
+    ];
+    let sets = |path: &[&str]| {
+        let (last, tables) = path.split_last().expect("a path has a name");
+        let table = tables.iter().try_fold(&layer.table, |table, name| table.get(*name)?.as_table());
+        table.is_some_and(|table| table.contains_key(*last))
+    };
+    match given.iter().find(|(_, given, path)| *given && sets(path)) {
+        Some((option, ..)) => {
+            let reason = format!("sets the same as --set {}; give one of them", short(assignment));
+            Err(HarnessError::Argument { option, reason })
+        }
+        None => Ok(()),
+    }
 }

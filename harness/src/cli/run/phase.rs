@@ -97,8 +97,9 @@ impl<'a> Command<'a> {
                 self.here(&sweep, conduct).map(Done::Here)
             }
             Executor::Slurm => {
-                let submitted = sweep.submit(&self.request(&plan.name, &lanes))?;
+                // Before anything is in the queue: what fails afterwards would hide the job's id.
                 copy::save(protocol, results)?;
+                let submitted = sweep.submit(&self.request(&plan.name, &lanes))?;
                 Ok(submitted.map_or_else(|| Done::Before(sweep.kept()), Done::Submitted))
             }
         }
