@@ -97,9 +97,11 @@ impl<'a> Command<'a> {
                 self.here(&sweep, conduct).map(Done::Here)
             }
             Executor::Slurm => {
-                // Before anything is in the queue: what fails afterwards would hide the job's id.
-                copy::save(protocol, results)?;
                 let submitted = sweep.submit(&self.request(&plan.name, &lanes))?;
+                copy::save(protocol, results).inspect_err(|_| {
+                    // The job is in the queue all the same.
+                    submitted.iter().for_each(|submitted| drop(tell_submitted(submitted, folder)));
+                })?;
                 Ok(submitted.map_or_else(|| Done::Before(sweep.kept()), Done::Submitted))
             }
         }
