@@ -372,8 +372,8 @@ impl Method for Vds {
     fn summary<'a>(&'a self, state: &'a VdsState) -> TeacherSummary<'a> {
         let Latest { entropy, effective_goals, mean_disagreement, max_disagreement, loss } = state.latest;
         let statistics = vec![
-            ("entropy", entropy),
-            ("effective_goals", effective_goals),
+            (names::ENTROPY, entropy),
+            (names::EFFECTIVE_GOALS, effective_goals),
             ("disagreement_mean", mean_disagreement),
             ("disagreement_max", max_disagreement),
             ("ensemble_updates", state.ensemble.gradient_steps() as f64),

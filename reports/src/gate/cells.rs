@@ -13,7 +13,7 @@ use crate::store::{RunFolder, layout};
 
 /// Names of the numbers that [`RunSummary::effective_goals`], [`RunSummary::effective_picks`] and
 /// [`RunSummary::pick_rank`] average.
-const OF_TEACHERS: [&str; 3] = ["effective_goals", "effective_picks", "pick_rank_mean"];
+const OF_TEACHERS: [&str; 3] = [names::EFFECTIVE_GOALS, names::EFFECTIVE_PICKS, names::PICK_RANK_MEAN];
 /// Hex digits kept of a digest: 64 bits.
 const DIGEST: usize = 16;
 
