@@ -52,7 +52,7 @@ pub use density::{KernelDensity, divergence};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
 pub use history::History;
-pub use judgement::Judgement;
+pub use judgement::{Judgement, learnability};
 pub use method::Method;
 pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use played::nearest_goal;
