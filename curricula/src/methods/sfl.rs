@@ -40,6 +40,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 use crate::judgement::learnability;
 use crate::method::Method;
 use crate::rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
@@ -181,13 +182,8 @@ impl Method for Sfl {
             return Ok(None);
         }
         state.since = Some(0);
-        let (mut fresh, mut goal) = (Goals::with_capacity(self.goal, candidates), vec![0.0; self.goal]);
-        for _ in 0..candidates {
-            goals.sample_goal(rng, &mut goal);
-            fresh.push(&goal);
-        }
-        let policy = RolloutPolicy::Noisy;
-        Ok(Some(RolloutRequest { goals: fresh, episodes: rollouts, policy, charge }))
+        let goals = sample_goals(goals, self.goal, candidates, rng);
+        Ok(Some(RolloutRequest { goals, episodes: rollouts, policy: RolloutPolicy::Noisy, charge }))
     }
 
     fn hear_rollouts(&self, state: &mut SflState, rollouts: &Rollouts) -> Result<(), CurriculumError> {
