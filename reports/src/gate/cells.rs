@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::config::Fields;
 use super::error::GateError;
+use crate::analysis::scores;
 use crate::schema::{Outcome, Record, RunKey};
 use crate::stats;
 use crate::store::{RunFolder, layout};
@@ -42,12 +43,11 @@ pub struct RunSummary {
 impl RunSummary {
     /// What `records` come to, whose file has the SHA-256 `digest` in hex.
     fn of(records: &[Record], digest: &str) -> Self {
-        let successes = |record: &Record| (record.success_rate * record.episodes as f64).round() as u64;
         let [effective_goals, effective_picks, pick_rank] =
             OF_TEACHERS.map(|name| mean_over_evaluations(records, name));
         Self {
             records: digest[..DIGEST].to_owned(),
-            successes: records.iter().map(successes).collect(),
+            successes: records.iter().map(scores::successes).collect(),
             effective_goals,
             effective_picks,
             pick_rank,
