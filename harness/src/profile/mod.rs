@@ -27,8 +27,9 @@ use watch::Watch;
 /// one checkpoint at the end stand for those of the whole run, which come once every `evaluation.every`
 /// steps.
 ///
-/// # Errors [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary
-/// folder can be created.
+/// # Errors
+/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary folder can be
+/// created.
 ///
 /// # Panics
 /// If `registry` lacks the run's environment or curriculum: plans only hold known ones.
