@@ -3,8 +3,8 @@
 //!
 //! A goal teaches most where the student sometimes succeeds: the zone of proximal development. The critic
 //! stands in for the probability of success, p_i = clip((C(g_i) − Vmin) / (Vmax − Vmin), 0, 1)
-//! ([`success_probability`]), a goal scores p_i (1 − p_i) ([`learnability`]), and goals are drawn with weights
-//! exp(β p_i (1 − p_i)) ([`Distribution::softmax`]).
+//! ([`success_probability`]), a goal scores p_i (1 − p_i) ([`learnability`]), and goals are drawn with
+//! weights exp(β p_i (1 − p_i)) ([`Distribution::softmax`]).
 //!
 //! # Deviations and choices
 //! The authors' code is `machine-teaching-group/tmlr2023_proximal-curriculum-rl` (commit 17904f1).

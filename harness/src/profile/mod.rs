@@ -28,8 +28,8 @@ use watch::Watch;
 /// steps.
 ///
 /// # Errors
-/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary folder can be
-/// created.
+/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary
+/// folder can be created.
 ///
 /// # Panics
 /// If `registry` lacks the run's environment or curriculum: plans only hold known ones.

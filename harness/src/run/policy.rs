@@ -26,8 +26,8 @@ impl Policy {
     /// Reads the run in `folder`.
     ///
     /// # Errors
-    /// [`HarnessError`] if there is no run, or the run has no checkpoint yet, is damaged, or has an environment
-    /// or curriculum that `registry` lacks.
+    /// [`HarnessError`] if there is no run, or the run has no checkpoint yet, is damaged, or has an
+    /// environment or curriculum that `registry` lacks.
     pub fn read(registry: &Registry, folder: &Path) -> Result<Self, HarnessError> {
         let (manifest, config) = folder::read_manifest(folder)?;
         registry.check(&manifest.run)?;

@@ -27,8 +27,8 @@ fn noise_is_the_change_from_an_evaluation_to_the_next() {
 }
 
 /// Seeds 0 to 6 of NOVA with this window in two rooms, all with the same changes, of which the first `failed`
-/// seeds fail after evaluation 5. The changes of one that does not are 0.6 and nineteen times 0.1, 2.5 / 20 in
-/// the mean; with zeros after the failure they would be 0.6, four times 0.1 and 0.6, 1.6 / 20.
+/// seeds fail after evaluation 5. The changes of one that does not are 0.6 and nineteen times 0.1, 2.5 / 20
+/// in the mean; with zeros after the failure they would be 0.6, four times 0.1 and 0.6, 1.6 / 20.
 fn write_window(results: &Path, variant: &str, window: u64, failed: u64) {
     let rates: Vec<f64> = (0..=20).map(|i| if i == 0 { 0.0 } else { [0.5, 0.6][i % 2] }).collect();
     for environment in ["RoomA", "RoomB"] {
@@ -45,8 +45,8 @@ fn write_window(results: &Path, variant: &str, window: u64, failed: u64) {
 
 #[test]
 fn a_run_that_failed_is_not_the_least_noisy() {
-    // By their zeros the larger window would be less noisy where it fails, the smaller one noisier where n = 10
-    // does: six pairs of fourteen, all of one sign.
+    // By their zeros the larger window would be less noisy where it fails, the smaller one noisier where
+    // n = 10 does: six pairs of fourteen, all of one sign.
     for (failed_default, variant, window, failed, rule) in
         [(0, "n=20", 20, 3, Rule::SomeBelow), (3, "n=3", 3, 0, Rule::SomeAbove)]
     {
