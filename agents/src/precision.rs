@@ -27,7 +27,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// Both.
+    /// Every precision that a config can ask for.
     pub const ALL: [Self; 2] = [Self::F32, Self::Bf16];
 
     /// As it is written in a config.

@@ -150,7 +150,8 @@ impl Distribution {
     /// The probabilities as weights, with [`Distribution::entropy`] and [`Distribution::effective_goals`] by
     /// name.
     pub fn summary(&self) -> TeacherSummary<'_> {
-        let statistics = vec![("entropy", self.entropy()), ("effective_goals", self.effective_goals())];
+        let statistics =
+            vec![(names::ENTROPY, self.entropy()), (names::EFFECTIVE_GOALS, self.effective_goals())];
         TeacherSummary { weights: Some(&self.0), statistics }
     }
 }

@@ -35,3 +35,16 @@ pub struct Judgement {
 pub fn success_probability(value: f64, min: f64, max: f64) -> f64 {
     if max > min { ((value - min) / (max - min)).clamp(0.0, 1.0) } else { 0.0 }
 }
+
+/// p (1 − p) for a success rate p in [0, 1]: in [0, 1/4], largest for goals that are reached every other time
+/// (ProCuRL's score with an optimal rate of 1, see [`procurl`](crate::methods::procurl); SFL's learnability,
+/// see [`sfl`](crate::methods::sfl)).
+///
+/// ```
+/// use curricula::learnability;
+///
+/// assert_eq!([0.0, 0.25, 0.5, 0.75, 1.0].map(learnability), [0.0, 0.1875, 0.25, 0.1875, 0.0]);
+/// ```
+pub fn learnability(p: f64) -> f64 {
+    p * (1.0 - p)
+}

@@ -13,6 +13,7 @@
 //! Teachers that go by success keep a [`History`] of it, for goals or for [`Regions`] of them. Others go by
 //! what the student has achieved: [`Mixture`], [`KernelDensity`] and [`assignment`] are the tools for that.
 //! Whoever wants to know more than training shows asks for [`Rollouts`].
+//! Fresh goals come from [`sample_goals`].
 //!
 //! [`testing::contract`] checks what every method must keep, and [`testing::Class`] is where it can be
 //! watched at work.
@@ -24,6 +25,7 @@ mod curriculum;
 mod density;
 mod distribution;
 mod error;
+mod fresh;
 mod history;
 mod judgement;
 mod kmeans;
@@ -51,8 +53,9 @@ pub use curriculum::{Curriculum, Lesson, Proposal, ProposedGoal, Rank, Setting, 
 pub use density::{KernelDensity, divergence};
 pub use distribution::Distribution;
 pub use error::CurriculumError;
+pub use fresh::sample_goals;
 pub use history::History;
-pub use judgement::Judgement;
+pub use judgement::{Judgement, learnability};
 pub use method::Method;
 pub use mixture::{Gaussian, Mixture, REGULARISATION, parameters};
 pub use played::nearest_goal;

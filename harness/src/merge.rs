@@ -59,10 +59,10 @@ struct Copies {
 ///
 /// # Errors
 /// [`HarnessError::Unsound`] naming every run that no source has whole, [`HarnessError::Conflict`] naming
-/// every conflicting run or policy, [`HarnessError::Missing`] if a source is named twice, [`HarnessError::Unusable`] if
-/// not all of it can be read, [`HarnessError::Exists`] if `out` does, [`HarnessError::Argument`] if it would
-/// lie in a source, [`HarnessError::Locked`] if a process is carrying out a run, and whatever keeps files
-/// from being read or written.
+/// every conflicting run or policy, [`HarnessError::Missing`] if a source is named twice,
+/// [`HarnessError::Unusable`] if not all of it can be read, [`HarnessError::Exists`] if `out` does,
+/// [`HarnessError::Argument`] if it would lie in a source, [`HarnessError::Locked`] if a process is carrying
+/// out a run, and whatever keeps files from being read or written.
 pub fn merge(sources: &[PathBuf], out: &Path) -> Result<Merged, HarnessError> {
     refuse_existing(out)?;
     outputs::outside("--out", out, sources)?;

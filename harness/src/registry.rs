@@ -80,8 +80,9 @@ impl Registry {
 
     /// Adds a suite: a name that stands for `environments` wherever ids of environments are given.
     ///
-    /// # Panics If an environment or a suite is called `id` already, or if one of `environments` is unknown:
-    /// add environments of your own first.
+    /// # Panics
+    /// If an environment or a suite is called `id` already, or if one of `environments` is unknown: add
+    /// environments of your own first.
     #[must_use]
     pub fn with_suite(mut self, id: &'static str, environments: &'static [&'static str]) -> Self {
         self.require_free(id);

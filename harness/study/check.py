@@ -14,6 +14,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,39 +25,48 @@ RANDOM = np.random.default_rng(20_251_224)
 
 # Records and scores
 
+class Curve(NamedTuple):
+    steps: np.ndarray
+    rates: np.ndarray
+    failed: bool
+
+
 def read(results):
-    """(steps, success rates) of every run, by (environment, curriculum, variant) and seed."""
+    """The curve of every run, by (environment, curriculum, variant) and seed."""
     runs = {}
     for path in sorted(Path(results).glob("runs/*/*/*/seed-*/records.jsonl")):
         environment, curriculum, variant, seed = path.parent.parts[-4:]
         rows = [json.loads(line) for line in path.read_text().splitlines()]
-        curve = np.array([(row["step"], row["success_rate"]) for row in rows]).T
+        curve = Curve(*np.array([(row["step"], row["success_rate"]) for row in rows]).T, failed=False)
         runs.setdefault((environment, curriculum, variant), {})[int(seed.removeprefix("seed-"))] = curve
     # A run that failed counts 0 in every evaluation it would still have had.
     for cell in runs.values():
-        longest = max(cell.values(), key=lambda curve: curve.shape[1])[0]
+        longest = max((curve.steps for curve in cell.values()), key=len)
         for seed, curve in cell.items():
-            missing = longest[curve.shape[1]:]
-            cell[seed] = np.hstack([curve, [missing, 0.0 * missing]])
+            missing = longest[len(curve.steps):]
+            if len(missing):
+                rates = np.concatenate([curve.rates, 0.0 * missing])
+                cell[seed] = Curve(np.concatenate([curve.steps, missing]), rates, failed=True)
     return runs
 
 
 def final(curve):
-    return curve[1][1:][-WINDOW:].mean()
+    return curve.rates[1:][-WINDOW:].mean()
 
 
 def area(curve):
-    steps, rates = curve
+    steps, rates = curve.steps, curve.rates
     return np.sum(np.diff(steps) * (rates[1:] + rates[:-1]) / 2) / (steps[-1] - steps[0])
 
 
 def noise(curve):
-    return np.abs(np.diff(curve[1])).mean()
+    """None of a run that failed: its zeros do not change from one to the next."""
+    return None if curve.failed else np.abs(np.diff(curve.rates)).mean()
 
 
 def steps_to(curve, rate):
     """The first evaluation of at least `rate` that begins five whose mean is no lower; infinite without one."""
-    steps, rates = curve
+    steps, rates = curve.steps, curve.rates
     for i in range(len(rates) - WINDOW + 1):
         if rates[i] >= rate and rates[i:i + WINDOW].mean() >= rate - 1e-12:
             return steps[i]
@@ -136,7 +146,10 @@ class Effect:
             one, two = runs.get((environment, *a)), runs.get((environment, *b))
             if one and two:
                 seeds = sorted(one.keys() & two.keys())
-                self.places[environment] = np.array([measure(one[s]) - measure(two[s]) for s in seeds])
+                scores = [(measure(one[s]), measure(two[s])) for s in seeds]
+                differences = [a - b for a, b in scores if a is not None and b is not None]
+                if differences:
+                    self.places[environment] = np.array(differences)
         self.strata = list(self.places.values())
         self.test = Test(self.strata)
         self.improvement, self.improvement_p = improvement(self.strata)

@@ -6,7 +6,6 @@ mod support;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use agents::{Agent, Mode};
@@ -16,7 +15,7 @@ use goalbench::Registry;
 use goalbench::run::policy::Policy;
 use reports::schema::{Frontier, Manifest};
 use reports::store::{RunFolder, layout};
-use support::children::files;
+use support::children::{files, kill_again_and_again};
 use support::{refused, stderr, toy, toy_args};
 
 /// Long enough to be killed in. A teacher with weights, one whose rollouts lie between evaluations and one
@@ -100,27 +99,9 @@ fn measures_change_nothing_else_and_come_out_the_same_killed_or_in_lanes() {
 
     let killed = place("killed");
     let args = longer(&MEASURED);
-    let args = toy_args(&killed, &args);
-    let size = || {
-        let paths = [layout::RECORDS, layout::FRONTIER].map(|name| run_of(&killed, "teach").file(name));
-        paths.map(|path| fs::metadata(path).map_or(0, |file| file.len())).into_iter().sum::<u64>()
-    };
-    for round in 0..6 {
-        let before = size();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
-        let mut parent = command
-            .args(&args)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        while size() == before && parent.try_wait().expect("it can be asked").is_none() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        std::thread::sleep(Duration::from_millis(17 * round));
-        parent.kill().expect("it can be killed");
-        parent.wait().expect("it was started here");
-    }
+    let run = run_of(&killed, "teach");
+    let names = [layout::RECORDS, layout::FRONTIER];
+    kill_again_and_again(&toy_args(&killed, &args), (&run, &names), 6, Duration::from_millis(17));
     toy(&killed, &longer(&MEASURED));
     assert_eq!(files(&killed, &ALL), expected, "killed and gone on with");
 }

@@ -7,12 +7,11 @@ mod support;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use reports::schema::{Manifest, Shadowing};
 use reports::store::{RunFolder, layout};
-use support::children::files;
+use support::children::{files, kill_again_and_again};
 use support::{goalbench, refused, stderr, toy, toy_args};
 
 /// Long enough to be killed in. A teacher of the pool, one whose rollouts lie between evaluations and one
@@ -63,30 +62,6 @@ fn manifest(folder: &Path, curriculum: &str) -> Manifest {
     run_of(folder, curriculum).manifest().expect("sound").expect("a manifest")
 }
 
-/// Kills the sweep of `args` into `out` some times, each time a little later after something was recorded.
-fn kill(out: &Path, args: &[&str], rounds: u64) {
-    let size = || {
-        let paths = [layout::RECORDS, layout::SHADOW].map(|name| run_of(out, "teach").file(name));
-        paths.map(|path| fs::metadata(path).map_or(0, |file| file.len())).into_iter().sum::<u64>()
-    };
-    for round in 0..rounds {
-        let before = size();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
-        let mut parent = command
-            .args(args)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        while size() == before && parent.try_wait().expect("it can be asked").is_none() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        std::thread::sleep(Duration::from_millis(23 * round));
-        parent.kill().expect("it can be killed");
-        parent.wait().expect("it was started here");
-    }
-}
-
 #[test]
 fn shadows_change_nothing_else_and_come_out_the_same_killed_or_in_lanes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -104,7 +79,9 @@ fn shadows_change_nothing_else_and_come_out_the_same_killed_or_in_lanes() {
     assert_eq!(files(&place("lanes"), &ALL), expected, "as lanes of a cohort");
 
     let (killed, args) = (place("killed"), longer(&["--shadow", "all"]));
-    kill(&killed, &toy_args(&killed, &args), 6);
+    let run = run_of(&killed, "teach");
+    let names = [layout::RECORDS, layout::SHADOW];
+    kill_again_and_again(&toy_args(&killed, &args), (&run, &names), 6, Duration::from_millis(23));
     toy(&killed, &longer(&["--shadow", "all"]));
     assert_eq!(files(&killed, &ALL), expected, "killed and gone on with");
 

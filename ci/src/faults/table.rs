@@ -136,8 +136,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         title: "SFL keeps the goals that are reached most often",
         baseline: METHODS,
         file: "curricula/src/methods/sfl.rs",
-        original: "    p * (1.0 - p)\n",
-        faulty: "    p * p\n",
+        original: "rates.iter().copied().map(learnability).collect();",
+        faulty: "rates.iter().map(|p| p - learnability(*p)).collect();",
         shows: false,
     },
     Fault {

@@ -46,6 +46,7 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 use crate::method::Method;
 use crate::mixture::Mixture;
 use crate::replayed::{distance, mean_reward, newest};
@@ -182,14 +183,9 @@ impl Fitted {
     /// A goal near one of the Gaussians, of `n` that the environment draws, with the Gaussian's mean ALP.
     fn propose(&self, n: usize, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
         let gaussian = &self.mixture.components[self.choice.draw(lesson.rng)];
-        let mut candidates = Goals::with_capacity(self.scaling.width(), n);
-        let mut goal = vec![0.0; self.scaling.width()];
-        let mut densities = Vec::with_capacity(n);
-        for _ in 0..n {
-            lesson.goals.sample_goal(lesson.rng, &mut goal);
-            densities.push(gaussian.log_at(&self.scaling.row(&goal)));
-            candidates.push(&goal);
-        }
+        let candidates = sample_goals(lesson.goals, self.scaling.width(), n, lesson.rng);
+        let density = |goal| gaussian.log_at(&self.scaling.row(goal));
+        let densities: Vec<f64> = candidates.iter().map(density).collect();
         // In proportion to densities, of which the logarithms are at hand.
         let drawn = Distribution::softmax(&densities, 1.0, "log-density")?.draw(lesson.rng);
         let alp = gaussian.mean[self.scaling.width()];

@@ -49,6 +49,7 @@ use crate::assignment::assignment;
 use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 use crate::method::Method;
 use crate::probe::{measure, single};
 use crate::replayed::distance;
@@ -119,6 +120,20 @@ pub fn price(achieved: &Rows, effort: &[f64], goal: &[f64]) -> (usize, f64) {
     costs.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a trajectory has a start")
 }
 
+/// Distance of the farthest of `goals`, shape `[n, G]`, from `start`, shape `[G]`; 0 of none.
+///
+/// ```
+/// use curricula::methods::hgg::farthest;
+///
+/// let mut goals = envs::Goals::new(2);
+/// [[1.0, 1.0], [4.0, 5.0], [1.0, -2.0]].iter().for_each(|goal| goals.push(goal));
+/// // 0, √(3² + 4²) and 3.
+/// assert_eq!(farthest(&[1.0, 1.0], &goals), 5.0);
+/// ```
+pub fn farthest(start: &[f64], goals: &Goals) -> f64 {
+    goals.iter().map(|goal| distance(start, goal)).fold(0.0, f64::max)
+}
+
 /// The HGG teacher.
 pub struct Hgg {
     config: HggConfig,
@@ -152,7 +167,10 @@ impl PlainState for HggState {
 impl Hgg {
     /// Goals for the next episodes.
     fn renew(&self, state: &mut HggState, lesson: &mut Lesson<'_>) -> Result<(), CurriculumError> {
-        let wanted = self.wanted(state, lesson);
+        let drawn = DIAMETER_DRAWS.max(self.config.goals);
+        let drawn = sample_goals(lesson.goals, self.width, drawn, lesson.rng);
+        state.diameter = farthest(&lesson.start.achieved, &drawn).max(state.diameter);
+        let wanted: Vec<&[f64]> = drawn.iter().take(self.config.goals).collect();
         let offers = self.offers(state.diameter, lesson)?;
         state.trajectories = offers.len() as f64;
         if offers.is_empty() {
@@ -160,7 +178,7 @@ impl Hgg {
             return Ok(());
         }
         let mut costs = Rows::with_capacity(self.config.trajectories, wanted.len());
-        for goal in wanted.iter() {
+        for goal in &wanted {
             let prices = offers.iter().map(|o| price(&o.achieved, &o.effort, goal).1 + o.detour);
             let prices: Vec<f64> = prices.collect();
             // Fewer episodes than asked for take turns.
@@ -170,28 +188,13 @@ impl Hgg {
         let pairs = assignment(&costs);
         let matched = pairs.iter().enumerate().map(|(row, &column)| {
             let Offer { achieved, effort, .. } = &offers[column % offers.len()];
-            let (step, _) = price(achieved, effort, wanted.row(row));
+            let (step, _) = price(achieved, effort, wanted[row]);
             Matched { goal: achieved.row(step).to_vec(), cost: costs.row(row)[column] }
         });
         let matched: Vec<Matched> = matched.collect();
         state.mean_cost = matched.iter().map(|pair| pair.cost).sum::<f64>() / matched.len() as f64;
         state.coming = matched.into_iter().map(Some).collect();
         Ok(())
-    }
-
-    /// The environment's goals to match, shape `[goals, G]`; with more of them the diameter is estimated.
-    fn wanted(&self, state: &mut HggState, lesson: &mut Lesson<'_>) -> Goals {
-        let start = &lesson.start.achieved;
-        let (mut goals, mut goal) =
-            (Goals::with_capacity(start.len(), self.config.goals), vec![0.0; start.len()]);
-        for draw in 0..DIAMETER_DRAWS.max(self.config.goals) {
-            lesson.goals.sample_goal(lesson.rng, &mut goal);
-            state.diameter = state.diameter.max(distance(start, &goal));
-            if draw < self.config.goals {
-                goals.push(&goal);
-            }
-        }
-        goals
     }
 
     /// The newest episodes in which something moved.

@@ -21,8 +21,8 @@
 //!   teacher does not see that goal, and the paper does not ask for this.
 
 use agents::{Critic, Episode};
+use envs::Reward;
 use envs::rng::Rng;
-use envs::{Goals, Reward};
 use looks::{Dash, Look, Marker};
 use rand::Rng as _;
 use schemars::{JsonSchema, Schema};
@@ -34,6 +34,7 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::density::divergence;
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 use crate::method::Method;
 use crate::state::PlainState;
 
@@ -96,11 +97,7 @@ impl Omega {
     fn divergence(&self, achieved: &mut Achieved, lesson: &mut Lesson<'_>) -> f64 {
         let OmegaConfig { desired, ref mega, .. } = self.0;
         let width = lesson.student.spec().goal;
-        let (mut goals, mut goal) = (Goals::with_capacity(width, desired), vec![0.0; width]);
-        for _ in 0..desired {
-            lesson.goals.sample_goal(lesson.rng, &mut goal);
-            goals.push(&goal);
-        }
+        let goals = sample_goals(lesson.goals, width, desired, lesson.rng);
         let wanted = achieved.beside(&goals, mega.bandwidth).log_densities(&goals);
         divergence(&wanted, &achieved.log_densities(&goals))
     }

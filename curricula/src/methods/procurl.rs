@@ -3,8 +3,8 @@
 //!
 //! A goal teaches most where the student sometimes succeeds: the zone of proximal development. The critic
 //! stands in for the probability of success, p_i = clip((C(g_i) − Vmin) / (Vmax − Vmin), 0, 1)
-//! ([`success_probability`]), a goal scores p_i (1 − p_i) ([`proximity`]), and goals are drawn with weights
-//! exp(β p_i (1 − p_i)) ([`Distribution::softmax`]).
+//! ([`success_probability`]), a goal scores p_i (1 − p_i) ([`learnability`]), and goals are drawn with
+//! weights exp(β p_i (1 − p_i)) ([`Distribution::softmax`]).
 //!
 //! # Deviations and choices
 //! The authors' code is `machine-teaching-group/tmlr2023_proximal-curriculum-rl` (commit 17904f1).
@@ -42,8 +42,8 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
-use crate::judgement::Judgement;
 pub use crate::judgement::success_probability;
+use crate::judgement::{Judgement, learnability};
 use crate::method::Method;
 use crate::pool_state::ScoredPool;
 use crate::probe::{Answer, ProbeConfig, StateSource};
@@ -109,17 +109,6 @@ impl Default for ProCurlConfig {
             selection: ProCurlSelection::Softmax,
         }
     }
-}
-
-/// p (1 − p), in [0, 1/4]: largest for goals that are reached every other time.
-///
-/// ```
-/// use curricula::methods::procurl::proximity;
-///
-/// assert_eq!([0.0, 0.5, 1.0].map(proximity), [0.0, 0.25, 0.0]);
-/// ```
-pub fn proximity(p: f64) -> f64 {
-    p * (1.0 - p)
 }
 
 impl ProCurlConfig {
@@ -204,7 +193,7 @@ impl Method for ProCurl {
         if scored.common.probe.ask(&config.probe, pool, lesson, true)? == Answer::Recorded {
             let confidence = scored.common.probe.window().last().expect("recorded");
             let probabilities = config.probabilities(confidence, lesson.student.lowest_value());
-            scored.scores = probabilities.into_iter().map(proximity).collect();
+            scored.scores = probabilities.into_iter().map(learnability).collect();
             scored.common.curriculum = config.curriculum(&scored.scores)?;
         }
         Ok(scored.propose(lesson.rng))
@@ -230,22 +219,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hand_worked_probability_and_score() {
+    fn hand_worked_probability() {
         // A quarter of the way from -50 to 0.
         assert_eq!(success_probability(-37.5, -50.0, 0.0), 0.25);
-        assert_eq!(proximity(0.25), 0.1875);
         // Outside the bounds, and without any.
         assert_eq!(success_probability(-60.0, -50.0, 0.0), 0.0);
         assert_eq!(success_probability(1.0, -50.0, 0.0), 1.0);
         assert_eq!(success_probability(-3.0, -3.0, -3.0), 0.0);
-    }
-
-    #[test]
-    fn the_score_is_largest_at_one_half_symmetric_and_zero_at_both_ends() {
-        for p in (0..=100).map(|percent| f64::from(percent) / 100.0) {
-            assert!((0.0..=0.25).contains(&proximity(p)));
-            assert!((proximity(p) - proximity(1.0 - p)).abs() < 1e-15);
-        }
-        assert_eq!([proximity(0.0), proximity(0.5), proximity(1.0)], [0.0, 0.25, 0.0]);
     }
 }

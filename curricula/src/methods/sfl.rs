@@ -40,6 +40,8 @@ use serde::{Deserialize, Serialize};
 use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
+use crate::judgement::learnability;
 use crate::method::Method;
 use crate::rollouts::{RolloutPolicy, RolloutRequest, Rollouts};
 use crate::snapshot;
@@ -78,18 +80,6 @@ impl Default for SflConfig {
     fn default() -> Self {
         Self { interval: 250, candidates: 50, rollouts: 4, kept: 10, share: 0.5, charge: true }
     }
-}
-
-/// p (1 − p) for a success rate p in [0, 1]: in [0, 1/4], largest for goals that are reached every other
-/// time.
-///
-/// ```
-/// use curricula::methods::sfl::learnability;
-///
-/// assert_eq!([0.0, 0.25, 0.5, 1.0].map(learnability), [0.0, 0.1875, 0.25, 0.0]);
-/// ```
-pub fn learnability(p: f64) -> f64 {
-    p * (1.0 - p)
 }
 
 /// The indices of the `k` largest of `scores`, the largest first; of equal ones the first.
@@ -192,13 +182,8 @@ impl Method for Sfl {
             return Ok(None);
         }
         state.since = Some(0);
-        let (mut fresh, mut goal) = (Goals::with_capacity(self.goal, candidates), vec![0.0; self.goal]);
-        for _ in 0..candidates {
-            goals.sample_goal(rng, &mut goal);
-            fresh.push(&goal);
-        }
-        let policy = RolloutPolicy::Noisy;
-        Ok(Some(RolloutRequest { goals: fresh, episodes: rollouts, policy, charge }))
+        let goals = sample_goals(goals, self.goal, candidates, rng);
+        Ok(Some(RolloutRequest { goals, episodes: rollouts, policy: RolloutPolicy::Noisy, charge }))
     }
 
     fn hear_rollouts(&self, state: &mut SflState, rollouts: &Rollouts) -> Result<(), CurriculumError> {

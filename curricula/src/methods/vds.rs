@@ -55,6 +55,7 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 use crate::method::Method;
 use crate::snapshot;
 use crate::state::TeacherState;
@@ -177,8 +178,6 @@ pub struct VdsState {
     latest: Latest,
     /// The transitions of a gradient step, a batch for every member.
     batch: Batch,
-    /// Candidate goals, shape `[candidates, G]`.
-    candidates: Goals,
     /// The start of the episode, once per candidate, shape `[candidates, S]`.
     starts: Rows,
 }
@@ -194,7 +193,7 @@ impl TeacherState for VdsState {
     const VERSION: u32 = 2;
 
     fn write(&self) -> Result<Vec<u8>, CurriculumError> {
-        let Self { ensemble, latest, batch: _, candidates: _, starts: _ } = self;
+        let Self { ensemble, latest, batch: _, starts: _ } = self;
         Ok(snapshot::plain_bytes(&SavedVds { ensemble: ensemble.save()?, latest: *latest }))
     }
 
@@ -252,23 +251,17 @@ impl VdsConfig {
 }
 
 impl VdsState {
-    /// The disagreement on every one of `n` fresh candidates, shape `[n]`, from the start at hand.
+    /// The disagreement on every one of `candidates`, shape `[n, G]`, from the start at hand. Shape: `[n]`.
     fn disagreement(
         &mut self,
         kind: Disagreement,
-        n: usize,
+        candidates: &Goals,
         lesson: &mut Lesson<'_>,
     ) -> Result<Vec<f64>, CurriculumError> {
-        let mut goal = vec![0.0; self.candidates.width()];
-        self.candidates.clear();
         self.starts.clear();
-        for _ in 0..n {
-            lesson.goals.sample_goal(lesson.rng, &mut goal);
-            self.candidates.push(&goal);
-            self.starts.push(&lesson.start.state);
-        }
-        let actions = lesson.student.policy(&self.starts, &self.candidates, Network::Online)?;
-        let values = self.ensemble.values(&self.starts, &self.candidates, &actions)?;
+        candidates.iter().for_each(|_| self.starts.push(&lesson.start.state));
+        let actions = lesson.student.policy(&self.starts, candidates, Network::Online)?;
+        let values = self.ensemble.values(&self.starts, candidates, &actions)?;
         Ok(kind.over(&values))
     }
 }
@@ -323,7 +316,6 @@ impl Method for Vds {
         let ensemble = Ensemble::new(self.ensemble, &setting.student, spec, &mut rng)?;
         Ok(VdsState {
             batch: Batch::new(spec, ensemble.batch_len()),
-            candidates: Goals::with_capacity(spec.goal, self.config.candidates),
             starts: Rows::with_capacity(spec.state, self.config.candidates),
             latest: Latest::default(),
             ensemble,
@@ -331,8 +323,9 @@ impl Method for Vds {
     }
 
     fn propose(&self, state: &mut VdsState, lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
-        let VdsConfig { disagreement: kind, candidates, .. } = self.config;
-        let disagreement = state.disagreement(kind, candidates, lesson)?;
+        let VdsConfig { disagreement: kind, candidates: n, .. } = self.config;
+        let candidates = sample_goals(lesson.goals, lesson.student.spec().goal, n, lesson.rng);
+        let disagreement = state.disagreement(kind, &candidates, lesson)?;
         let curriculum = kind.curriculum(&disagreement, lesson.student.lowest_value())?;
         let drawn = curriculum.draw(lesson.rng);
         let score = disagreement[drawn];
@@ -343,7 +336,7 @@ impl Method for Vds {
             max_disagreement: disagreement.into_iter().fold(0.0, f64::max),
             ..state.latest
         };
-        Ok(Proposal::other(state.candidates.row(drawn).to_vec()).scored(score))
+        Ok(Proposal::other(candidates.row(drawn).to_vec()).scored(score))
     }
 
     fn observe(&self, state: &mut VdsState, episode: &Episode) -> Result<(), CurriculumError> {
@@ -372,8 +365,8 @@ impl Method for Vds {
     fn summary<'a>(&'a self, state: &'a VdsState) -> TeacherSummary<'a> {
         let Latest { entropy, effective_goals, mean_disagreement, max_disagreement, loss } = state.latest;
         let statistics = vec![
-            ("entropy", entropy),
-            ("effective_goals", effective_goals),
+            (names::ENTROPY, entropy),
+            (names::EFFECTIVE_GOALS, effective_goals),
             ("disagreement_mean", mean_disagreement),
             ("disagreement_max", max_disagreement),
             ("ensemble_updates", state.ensemble.gradient_steps() as f64),

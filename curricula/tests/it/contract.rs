@@ -3,7 +3,8 @@
 
 use curricula::testing::{Class, contract, contract_with};
 use curricula::{
-    CURRICULA, CurriculumError, Entry, Lesson, Method, Proposal, Setting, TeacherState, snapshot,
+    CURRICULA, CurriculumError, Entry, Lesson, Method, Proposal, Setting, TeacherState, TeacherSummary,
+    snapshot,
 };
 use serde::{Deserialize, Serialize};
 
@@ -139,4 +140,56 @@ impl Method for Forgetful {
 #[should_panic(expected = "forgetful with \"\", saved after [1]")]
 fn a_state_that_writes_less_than_it_needs_does_not_keep_it() {
     contract_with(&Entry::of::<Forgetful>(), "");
+}
+
+/// The environment's own goals, and numbers of any names.
+struct Telling(TellingConfig);
+
+#[derive(Default, Serialize, Deserialize)]
+struct TellingConfig {
+    names: Vec<String>,
+}
+
+impl Method for Telling {
+    type Config = TellingConfig;
+    type State = ();
+    const ID: &'static str = "telling";
+    const TITLE: &'static str = "Telling";
+    const SOURCE: &'static str = "none";
+    const VERSION: &'static str = "1";
+    const USES_POOL: bool = false;
+
+    fn build(config: TellingConfig, _setting: &Setting) -> Result<Self, CurriculumError> {
+        Ok(Self(config))
+    }
+
+    fn begin(&self, _setting: &Setting) -> Result<(), CurriculumError> {
+        Ok(())
+    }
+
+    fn propose(&self, (): &mut (), _lesson: &mut Lesson<'_>) -> Result<Proposal, CurriculumError> {
+        Ok(Proposal::native())
+    }
+
+    fn summary<'a>(&'a self, (): &'a ()) -> TeacherSummary<'a> {
+        let statistics = self.0.names.iter().map(|name| (name.as_str(), 1.0)).collect();
+        TeacherSummary { weights: None, statistics }
+    }
+}
+
+#[test]
+fn names_of_its_own_keep_it() {
+    contract_with(&Entry::of::<Telling>(), "names = [\"one\", \"other\"]");
+}
+
+#[test]
+#[should_panic(expected = "goalbench itself records effective_picks")]
+fn a_name_that_goalbench_records_of_every_teacher_does_not_keep_it() {
+    contract_with(&Entry::of::<Telling>(), "names = [\"one\", \"effective_picks\"]");
+}
+
+#[test]
+#[should_panic(expected = "tells two numbers called one")]
+fn two_numbers_of_one_name_do_not_keep_it() {
+    contract_with(&Entry::of::<Telling>(), "names = [\"one\", \"other\", \"one\"]");
 }

@@ -174,10 +174,10 @@ fn chosen<'a>(runs: &'a [Run], choice: &PolicyChoice) -> Result<Vec<&'a Run>, Pa
 /// [`HarnessError`] if there is neither, or one that is damaged.
 fn policy(registry: &Registry, results: &Path, manifest: &Manifest) -> Result<ExportedPolicy, HarnessError> {
     let folder = RunFolder::of(results, &manifest.run);
-    if !folder.has(layout::CHECKPOINT)? {
-        if let Some(unpacked) = unpacked_policy(results, manifest)? {
-            return Ok(unpacked);
-        }
+    if !folder.has(layout::CHECKPOINT)?
+        && let Some(unpacked) = unpacked_policy(results, manifest)?
+    {
+        return Ok(unpacked);
     }
     ExportedPolicy::of(registry, &Policy::read(registry, folder.path())?)
 }

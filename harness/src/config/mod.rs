@@ -90,7 +90,8 @@ pub struct Evaluation {
     /// Environment steps between evaluations: one follows the first cycle that reaches each multiple. A value
     /// below the length of a cycle means after every cycle.
     ///
-    /// Unit: steps. Range: at least 1. Auto: the environment's. Source: a choice; the paper names no interval.
+    /// Unit: steps. Range: at least 1. Auto: the environment's. Source: a choice; the paper names no
+    /// interval.
     #[schemars(with = "Auto<u64>")]
     pub every: u64,
     /// Greedy episodes per evaluation.

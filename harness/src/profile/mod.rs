@@ -27,7 +27,8 @@ use watch::Watch;
 /// one checkpoint at the end stand for those of the whole run, which come once every `evaluation.every`
 /// steps.
 ///
-/// # Errors [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary
+/// # Errors
+/// [`HarnessError::Impossible`] if the run breaks down, [`HarnessError::System`] if no temporary
 /// folder can be created.
 ///
 /// # Panics

@@ -21,7 +21,7 @@ use super::train::{Before, End, Trainer};
 
 /// A run of a cohort, with whoever hears of it.
 pub trait Lane: Send {
-    /// Both.
+    /// The run, and who hears of it.
     fn parts(&mut self) -> (&mut Trainer, &mut (dyn Observer + Send));
 }
 

@@ -77,10 +77,10 @@ pub fn statistics(teaching: &Teaching, ranks: Ranks) -> [(&'static str, f64); 4]
         .filter_map(|(score, &success)| Some((f64::from((*score)?), f64::from(u8::from(success)))))
         .collect();
     [
-        ("picked_goals", distinct),
-        ("effective_picks", effective),
-        ("pick_rank_mean", ranks.mean()),
-        ("score_success_correlation", correlation(&pairs)),
+        (names::PICKED_GOALS, distinct),
+        (names::EFFECTIVE_PICKS, effective),
+        (names::PICK_RANK_MEAN, ranks.mean()),
+        (names::SCORE_SUCCESS_CORRELATION, correlation(&pairs)),
     ]
 }
 
@@ -146,6 +146,12 @@ mod tests {
         assert_eq!(teaching.picks, Some(vec![None, Some(4), Some(4)]));
         assert_eq!(teaching.scores, Some(vec![None, Some(0.5), None]));
         assert_eq!(teaching.ranks, None);
+    }
+
+    #[test]
+    fn no_method_may_use_a_name_of_these() {
+        let recorded = statistics(&no_episodes(), Ranks::default()).map(|(name, _)| name);
+        assert_eq!(recorded, names::OF_PICKS);
     }
 
     #[test]

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
 
-use reports::store::{Results, layout};
+use reports::store::{Results, RunFolder, layout};
 use rustix::process::{Pid, Signal, kill_process};
 
 /// The bytes of these files of every run, by path.
@@ -28,6 +30,31 @@ pub(crate) fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 pub(crate) fn start(args: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_goalbench"));
     command.args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+}
+
+/// Bytes in these files of a run; none of those that are not there yet.
+fn recorded(run: &RunFolder, names: &[&str]) -> u64 {
+    names.iter().map(|name| std::fs::metadata(run.file(name)).map_or(0, |file| file.len())).sum()
+}
+
+/// Starts goalbench with `args` some times, and kills it each time after the files `names` of `run` have
+/// grown: at once, then each time later by `pause`.
+pub(crate) fn kill_again_and_again(
+    args: &[&str],
+    (run, names): (&RunFolder, &[&str]),
+    rounds: u32,
+    pause: Duration,
+) {
+    for round in 0..rounds {
+        let before = recorded(run, names);
+        let mut parent = start(args);
+        while recorded(run, names) == before && parent.try_wait().expect("it can be asked").is_none() {
+            sleep(Duration::from_millis(1));
+        }
+        sleep(pause * round);
+        parent.kill().expect("it can be killed");
+        parent.wait().expect("it was started here");
+    }
 }
 
 /// Sends a signal to the process with this id.

@@ -6,6 +6,7 @@ use crate::analysis::complete::Pair;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::{self, Group, GroupKey};
 use crate::analysis::options::ReportOptions;
+use crate::analysis::paired::{self, PairedDifference};
 use crate::analysis::pairing;
 use crate::stats::{self, Ddof, SignFlip, Welch};
 
@@ -186,8 +187,8 @@ fn compare<'a>(
     let (ours, theirs) = (Finals::of(&pair.a, options.window), Finals::of(&pair.b, options.window));
     let unpaired = pairing::obstacle(&pair.a, &pair.b);
     let (here, there) = (ours.scores(), theirs.scores());
-    let pairs = if unpaired.is_none() { ours.pairs(&theirs) } else { Vec::new() };
-    let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
+    let pairs = if unpaired.is_none() { paired::pairs(&ours.by_seed, &theirs.by_seed) } else { Vec::new() };
+    let paired = PairedDifference::of(&pairs, options);
     let wins: Vec<f64> = pairs.iter().map(|(a, b)| f64::from(i8::from(a > b) - i8::from(a < b))).collect();
     let welch = stats::welch(&here, &there);
     let is_tied = here.iter().chain(&there).all(|score| Some(score) == here.first());
@@ -206,9 +207,9 @@ fn compare<'a>(
         failed: pair.failed,
         pairs: pairs.len(),
         unpaired,
-        difference: stats::mean(&differences),
-        difference_ci: stats::paired_interval(&pairs, options.resampling),
-        sign_flip: stats::sign_flip(&[&differences], options.resampling),
+        difference: paired.map(|paired| paired.mean),
+        difference_ci: paired.and_then(|paired| paired.interval),
+        sign_flip: paired.and_then(|paired| paired.sign_flip),
         improvement: stats::mean(&wins).map(|mean| (1.0 + mean) / 2.0),
         improvement_p: stats::sign_flip(&[&wins], options.resampling).map(|test| test.p),
         probability_of_improvement: stats::probability_of_improvement(&[&here], &[&there]),

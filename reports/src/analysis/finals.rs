@@ -32,28 +32,4 @@ impl Finals {
     pub fn scores(&self) -> Vec<f64> {
         self.by_seed.iter().map(|(_, score)| *score).collect()
     }
-
-    /// Scores (here, there) of the seeds that both have.
-    pub fn pairs(&self, other: &Self) -> Vec<(f64, f64)> {
-        let there =
-            |seed: u64| other.by_seed.iter().find(|(other, _)| *other == seed).map(|(_, score)| *score);
-        self.by_seed.iter().filter_map(|&(seed, score)| Some((score, there(seed)?))).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::catalogue::Catalogue;
-
-    #[test]
-    fn pairs_share_their_seed() {
-        let finals = |by_seed: &[(u64, f64)]| Finals {
-            key: GroupKey::new(&Catalogue::default(), "E", "c", "v"),
-            by_seed: by_seed.to_vec(),
-            failed: Vec::new(),
-        };
-        let (a, b) = (finals(&[(0, 0.1), (2, 0.3), (5, 0.6)]), finals(&[(1, 0.9), (2, 0.8), (5, 0.7)]));
-        assert_eq!(a.pairs(&b), [(0.3, 0.8), (0.6, 0.7)]);
-    }
 }

@@ -4,6 +4,7 @@
 use crate::analysis::aggregate::finals_of;
 use crate::analysis::finals::Finals;
 use crate::analysis::group::GroupKey;
+use crate::analysis::paired;
 use crate::stats::{self, Resampling};
 
 /// The probability of improvement of one method on another (Agarwal et al. 2021, section 4).
@@ -55,7 +56,7 @@ fn improvement<'a>(
         .filter(|finals| finals.key.cmp_method(method).is_eq())
         .filter_map(|ours| {
             let theirs = finals_of(finals, &ours.key.environment, other)?;
-            let pairs = ours.pairs(theirs);
+            let pairs = paired::pairs(&ours.by_seed, &theirs.by_seed);
             // Without a seed in common all runs count: within an environment that favours neither.
             Some(if pairs.is_empty() { (ours.scores(), theirs.scores()) } else { pairs.into_iter().unzip() })
         })

@@ -8,7 +8,6 @@ use crate::analysis::complete;
 use crate::analysis::cost;
 use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
-use crate::analysis::teaching::PICKED_GOALS;
 use crate::analysis::tuning::{DEFAULT, TunedPlace};
 use crate::analysis::whole::Analysis;
 use crate::schema::{Outcome, Record};
@@ -295,7 +294,9 @@ fn any_success(all: &[Group<'_>]) -> Option<String> {
 /// How many runs of `all` do not tell in each of their evaluations which goals of the pool were picked;
 /// `None` if all do. A teacher that picks none has the number all the same, as one that is not defined.
 fn picks(all: &[Group<'_>]) -> Option<String> {
-    older("which goals of the pool were picked", all, |record| record.teacher.contains_key(PICKED_GOALS))
+    older("which goals of the pool were picked", all, |record| {
+        record.teacher.contains_key(names::PICKED_GOALS)
+    })
 }
 
 fn older(what: &str, all: &[Group<'_>], tells: impl Fn(&Record) -> bool) -> Option<String> {

@@ -24,6 +24,7 @@ pub mod levels;
 pub mod missing;
 pub mod numbers;
 pub mod options;
+pub mod paired;
 pub mod pairing;
 pub mod ranks;
 pub mod readings;

@@ -10,10 +10,15 @@ fn last(records: &[Record], window: usize) -> &[Record] {
     &trained[trained.len().saturating_sub(window.max(1))..]
 }
 
-/// Mean of success rates; `None` without one. Rounded to 12 digits, so that equal shares of successes are
-/// equal numbers and count as ties.
+/// Mean of success rates; `None` without one. [Rounded](stats::rounded), so that equal shares of successes
+/// count as ties.
 fn mean_rate(rates: impl Iterator<Item = f64>) -> Option<f64> {
-    stats::mean(&rates.collect::<Vec<_>>()).map(|mean| (mean * 1e12).round() / 1e12)
+    stats::mean(&rates.collect::<Vec<_>>()).map(stats::rounded)
+}
+
+/// The episodes of an evaluation that ended in success.
+pub fn successes(record: &Record) -> u64 {
+    (record.success_rate * record.episodes as f64).round() as u64
 }
 
 /// The mean success rate of the last `window` evaluations, which evens out the noise of evaluations of a few
@@ -34,7 +39,6 @@ pub fn final_any_score(records: &[Record], window: usize) -> Option<f64> {
 /// (successes, episodes) of the last `window` evaluations together: what [`final_score`] rests on.
 pub fn final_counts(records: &[Record], window: usize) -> (u64, u64) {
     let recent = last(records, window);
-    let successes = |record: &Record| (record.success_rate * record.episodes as f64).round() as u64;
     (recent.iter().map(successes).sum(), recent.iter().map(|record| record.episodes).sum())
 }
 

@@ -3,16 +3,20 @@
 
 use std::collections::BTreeMap;
 
+pub use names::PICKED_GOALS;
+
 use crate::analysis::group::{Group, GroupKey};
 use crate::schema::Record;
 use crate::stats;
 
-/// The number of distinct goals of the pool that were picked.
-pub const PICKED_GOALS: &str = "picked_goals";
-
-/// Numbers that teachers record by these names, and that say how they choose.
-pub static NUMBERS: [&str; 5] =
-    [PICKED_GOALS, "effective_picks", "effective_goals", "pick_rank_mean", "score_success_correlation"];
+/// The numbers in records that say how a teacher chooses.
+pub static NUMBERS: [&str; 5] = [
+    PICKED_GOALS,
+    names::EFFECTIVE_PICKS,
+    names::EFFECTIVE_GOALS,
+    names::PICK_RANK_MEAN,
+    names::SCORE_SUCCESS_CORRELATION,
+];
 
 /// What the table says about one group.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use super::config::Fields;
 use super::error::GateError;
+use crate::analysis::scores;
 use crate::schema::{Outcome, Record, RunKey};
 use crate::stats;
 use crate::store::{RunFolder, layout};
 
 /// Names of the numbers that [`RunSummary::effective_goals`], [`RunSummary::effective_picks`] and
 /// [`RunSummary::pick_rank`] average.
-const OF_TEACHERS: [&str; 3] = ["effective_goals", "effective_picks", "pick_rank_mean"];
+const OF_TEACHERS: [&str; 3] = [names::EFFECTIVE_GOALS, names::EFFECTIVE_PICKS, names::PICK_RANK_MEAN];
 /// Hex digits kept of a digest: 64 bits.
 const DIGEST: usize = 16;
 
@@ -42,12 +43,11 @@ pub struct RunSummary {
 impl RunSummary {
     /// What `records` come to, whose file has the SHA-256 `digest` in hex.
     fn of(records: &[Record], digest: &str) -> Self {
-        let successes = |record: &Record| (record.success_rate * record.episodes as f64).round() as u64;
         let [effective_goals, effective_picks, pick_rank] =
             OF_TEACHERS.map(|name| mean_over_evaluations(records, name));
         Self {
             records: digest[..DIGEST].to_owned(),
-            successes: records.iter().map(successes).collect(),
+            successes: records.iter().map(scores::successes).collect(),
             effective_goals,
             effective_picks,
             pick_rank,

@@ -19,7 +19,7 @@ mod welch;
 
 pub use bootstrap::{Resampling, paired_interval, stratified_interval, stratified_intervals};
 pub use calibration::{ReliabilityBin, calibration_error, reliability};
-pub use moments::{Ddof, mean, std_dev};
+pub use moments::{Ddof, mean, rounded, std_dev};
 pub use order::{iqm, median, quantile};
 pub use permutation::{Permutation, permutation, permutations};
 pub use power::{detectable_effect, effect_size, power};

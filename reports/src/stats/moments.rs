@@ -34,6 +34,20 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// `x` to 12 decimals, so that sums in another order are equal numbers, and tie.
+///
+/// ```
+/// use reports::stats::rounded;
+///
+/// assert_ne!(0.1 + 0.2 + 0.3, 0.3 + 0.2 + 0.1);
+/// assert_eq!(rounded(0.1 + 0.2 + 0.3), rounded(0.3 + 0.2 + 0.1));
+/// assert_eq!(rounded(-1e-13).to_bits(), 0.0_f64.to_bits());
+/// ```
+pub fn rounded(x: f64) -> f64 {
+    // Adding 0 takes the sign from a rounded zero.
+    (x * 1e12).round() / 1e12 + 0.0
+}
+
 /// `sqrt(sum (x_i - mean)^2 / (n - ddof))`; `None` where the denominator is not positive. Values that differ
 /// from their mean by rounding errors alone have a deviation of exactly 0.
 ///

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::Resampling;
 use super::bootstrap::stream;
+use super::moments::rounded;
 
 /// Most differences whose sign flips are all enumerated; of more, flips are drawn.
 pub const MOST_ENUMERATED: usize = 16;
@@ -109,11 +110,10 @@ impl Flips {
     }
 }
 
-/// Weighted mean from the sums of weights and of weighted differences, rounded to 12 digits: 0.3 - 0.1 - 0.2
-/// is a tie with 0. `None` of no difference.
+/// Weighted mean from the sums of weights and of weighted differences, [`rounded`]: 0.3 - 0.1 - 0.2 is a tie
+/// with 0. `None` of no difference.
 fn set_mean((weight, sum): (f64, f64)) -> Option<f64> {
-    // Adding 0 takes the sign from a rounded zero.
-    (weight > 0.0).then(|| (sum / weight * 1e12).round() / 1e12 + 0.0)
+    (weight > 0.0).then(|| rounded(sum / weight))
 }
 
 fn add(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {

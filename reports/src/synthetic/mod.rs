@@ -16,7 +16,6 @@ use serde_json::{Map, Value, json};
 
 pub use catalogue::catalogue;
 
-use crate::analysis::teaching::PICKED_GOALS;
 use crate::error::ReportError;
 use crate::schema::{Learning, Manifest, Outcome, Record, RunKey, SCHEMA, Teaching, Timing};
 use crate::store::checksums::{self, Checksums};
@@ -291,17 +290,17 @@ fn settings(variant: &str) -> Value {
 /// nothing.
 fn numbers(curriculum: &str, eval_index: u64, rng: &mut ChaCha8Rng) -> Map<String, Value> {
     if curriculum == "dull" {
-        return Map::from_iter([(PICKED_GOALS.to_owned(), Value::Null)]);
+        return Map::from_iter([(names::PICKED_GOALS.to_owned(), Value::Null)]);
     }
     let effective = rng.random_range(2.0..f64::from(POOL));
     let picked = rng.random_range(1..=80);
     let numbers = [
-        ("entropy", json!(effective.ln())),
-        ("effective_goals", json!(effective)),
-        (PICKED_GOALS, json!(picked)),
-        ("effective_picks", json!(f64::from(picked) * rng.random_range(0.5..1.0))),
-        ("pick_rank_mean", json!((curriculum == "moss").then(|| rng.random_range(0.4..0.6)))),
-        ("score_success_correlation", json!(rng.random_range(-0.5..0.5))),
+        (names::ENTROPY, json!(effective.ln())),
+        (names::EFFECTIVE_GOALS, json!(effective)),
+        (names::PICKED_GOALS, json!(picked)),
+        (names::EFFECTIVE_PICKS, json!(f64::from(picked) * rng.random_range(0.5..1.0))),
+        (names::PICK_RANK_MEAN, json!((curriculum == "moss").then(|| rng.random_range(0.4..0.6)))),
+        (names::SCORE_SUCCESS_CORRELATION, json!(rng.random_range(-0.5..0.5))),
     ];
     let defined = |value| if eval_index == 0 { Value::Null } else { value };
     numbers.into_iter().map(|(name, value)| (name.to_owned(), defined(value))).collect()

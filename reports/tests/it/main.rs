@@ -14,6 +14,7 @@ mod footer;
 mod frontier;
 mod latex;
 mod ledger;
+mod noise;
 mod page;
 mod readings;
 mod report;

@@ -7,6 +7,7 @@ use super::support::{key, options, write_configured};
 use reports::ReportOptions;
 use reports::analysis::catalogue::{Claim, ClaimKind, ClaimScope, EnvironmentInfo, Measure, Rule};
 use reports::analysis::comparison::{self, TestFamily};
+use reports::analysis::complete;
 use reports::analysis::group;
 use reports::analysis::ledger::{self, LedgerEntry, Verdict};
 use reports::store::Store;
@@ -14,7 +15,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 /// A group of `seeds` runs that go to `rates` of the seed in a straight line.
-fn write(
+pub(crate) fn write(
     results: &Path,
     (environment, curriculum, variant): (&str, &str, &str),
     seeds: u64,
@@ -32,9 +33,10 @@ fn about(rate: f64) -> impl Fn(u64) -> Vec<f64> {
     move |seed| vec![0.0, ((rate + 0.01 * (seed % 3) as f64) * 1_000.0).round() / 1_000.0]
 }
 
-fn judged(results: &Path, options: &ReportOptions) -> Vec<LedgerEntry> {
+pub(crate) fn judged(results: &Path, options: &ReportOptions) -> Vec<LedgerEntry> {
     let store = Store::read(results).unwrap();
-    ledger::ledger(&group::groups(&store, &options.catalogue), options)
+    let completed = complete::failed_as_zero(&store, options.failures);
+    ledger::ledger(&group::counted(&store, &completed, &options.catalogue), options)
 }
 
 #[track_caller]
@@ -43,13 +45,13 @@ fn find<'a>(entries: &'a [LedgerEntry], id: &str) -> &'a LedgerEntry {
 }
 
 /// Judging by these claims alone.
-fn claims(claims: &[Claim]) -> ReportOptions {
+pub(crate) fn claims(claims: &[Claim]) -> ReportOptions {
     let mut options = judging();
     options.catalogue.paper.claims = claims.to_vec();
     options
 }
 
-const fn values(axis: &'static str, measure: Measure, rule: Rule) -> Claim {
+pub(crate) const fn values(axis: &'static str, measure: Measure, rule: Rule) -> Claim {
     let kind = ClaimKind::Values { axis, about: &[], measure, rule };
     Claim { id: "it", source: "here", statement: "it is so", scope: ClaimScope::All, kind }
 }
@@ -152,19 +154,6 @@ fn what_learns_faster_to_the_same_end_is_faster() {
 }
 
 #[test]
-fn noise_is_the_change_from_an_evaluation_to_the_next() {
-    let results = TempDir::new().unwrap();
-    for environment in ["RoomA", "RoomB"] {
-        let rough = |seed: u64| vec![0.0, 0.9, 0.3 + 0.05 * (seed % 3) as f64, 0.8];
-        write(results.path(), (environment, "nova", "default"), 7, &nova(10, 1, "online"), rough);
-        let smooth = |_: u64| vec![0.0, 0.3, 0.6, 0.8];
-        write(results.path(), (environment, "nova", "n=20"), 7, &nova(20, 1, "online"), smooth);
-    }
-    let entry = judged(results.path(), &claims(&[values("window", Measure::Noise, Rule::SomeBelow)]));
-    assert_eq!(entry[0].verdict, Verdict::Confirmed, "{entry:#?}");
-}
-
-#[test]
 fn different_tasks_for_different_values() {
     let results = TempDir::new().unwrap();
     opposed(results.path());
@@ -199,6 +188,21 @@ fn the_papers_own_value_is_best_where_it_beats_every_other() {
     let entry = &judged(results.path(), &best)[0];
     assert_eq!((entry.verdict, entry.value.as_deref()), (Verdict::Confirmed, Some("n = 20 in RoomB")));
     assert!(entry.evidence.contains("better than all others in RoomB"), "{}", entry.evidence);
+}
+
+#[test]
+fn a_value_of_few_pairs_is_neither_beaten_nor_beats() {
+    for (three, clear) in [(0.3, Verdict::Confirmed), (0.7, Verdict::Refuted)] {
+        let results = TempDir::new().unwrap();
+        write(results.path(), ("RoomA", "nova", "default"), 7, &nova(10, 1, "online"), about(0.5));
+        write(results.path(), ("RoomA", "nova", "n=3"), 7, &nova(3, 1, "online"), about(three));
+        let best = claims(&[values("window", Measure::Final, Rule::SomewhereBest)]);
+        assert_eq!(judged(results.path(), &best)[0].verdict, clear, "p = 1/64");
+        let strict = ReportOptions { fewest_pairs: 20, ..best };
+        let entry = &judged(results.path(), &strict)[0];
+        assert_eq!(entry.verdict, Verdict::Undecided, "{entry:#?}");
+        assert!(entry.evidence.contains("7 pairs of runs, 20 are needed"), "{}", entry.evidence);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use super::memory::Memory;
 use super::wire::{Ask, Message};
 use crate::curriculum::{Lesson, Proposal, Rank};
 use crate::error::CurriculumError;
+use crate::fresh::sample_goals;
 
 /// The most rows that one question may ask for, and the most pairs of a goal and a state.
 const MOST: usize = 1_000_000;
@@ -105,12 +106,8 @@ pub(super) fn tell<'a>(
             return Ok(Err(format!("it asks for {count} rows; at most {MOST} are accepted")));
         }
         Ask::FreshGoals { count } => {
-            let draw = |_| {
-                let mut goal = vec![0.0; process.goal];
-                lesson.goals.sample_goal(memory.rng(), &mut goal);
-                goal
-            };
-            Message::FreshGoals { goals: (0..*count).map(draw).collect() }
+            let goals = sample_goals(lesson.goals, process.goal, *count, memory.rng());
+            Message::FreshGoals { goals: lists(&goals) }
         }
         Ask::ReplayStates { count } => {
             Message::ReplayStates { states: lists(&lesson.student.replay_states(*count, memory.rng())) }

@@ -11,16 +11,6 @@ use crate::curriculum::{Proposal, ProposedGoal, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::played::told_of;
 
-/// Names of numbers that goalbench records itself.
-const TAKEN: [&str; 6] = [
-    "entropy",
-    "effective_goals",
-    "picked_goals",
-    "effective_picks",
-    "pick_rank_mean",
-    "score_success_correlation",
-];
-
 /// Everything that changes, apart from the program's own state.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Memory {
@@ -60,7 +50,7 @@ impl Memory {
             if name.is_empty() || !name.bytes().all(snake_case) {
                 return Err(format!("the number {name:?} needs a name of a-z, 0-9 and _"));
             }
-            if TAKEN.contains(&name.as_str()) {
+            if names::OF_WEIGHTS.iter().chain(&names::OF_PICKS).any(|taken| taken == name) {
                 return Err(format!("the number `{name}` is recorded by goalbench already"));
             }
         }
@@ -165,4 +155,24 @@ fn numbers(written: Map<String, Value>) -> Result<Vec<(String, f64)>, String> {
         other => Err(format!("the number `{name}` is {other}; a number or null is accepted")),
     };
     written.into_iter().map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use envs::rng::{Purpose, stream};
+
+    use super::*;
+
+    #[test]
+    fn names_of_numbers_that_goalbench_records_itself_are_refused() {
+        let begin = |name: &str| {
+            let statistics = Map::from_iter([(name.to_owned(), Value::from(1.0))]);
+            Memory::begin(1, stream(0, Purpose::Teacher), None, statistics).err()
+        };
+        for name in names::OF_WEIGHTS.iter().chain(&names::OF_PICKS) {
+            let expected = format!("the number `{name}` is recorded by goalbench already");
+            assert_eq!(begin(name), Some(expected));
+        }
+        assert_eq!(begin("mine"), None);
+    }
 }

@@ -53,7 +53,8 @@ pub fn contract(entry: &Entry) {
 /// - its weights are a distribution over the pool, and the numbers `entropy` and `effective_goals`, if it
 ///   records them, are those of its weights;
 /// - it judges all goals of the pool or none, with finite scores and estimates of success in [0, 1];
-/// - its numbers keep their names, which are in snake case, and their order;
+/// - its numbers keep their names, which are in snake case, and their order; no two share a name, and none
+///   has that of a number that goalbench records of every teacher;
 /// - the probe rollouts that it asks for are of goals of the task, at least one episode each;
 /// - saved and loaded, it continues as one that was not, whether that is in the middle of a cycle or not, or
 ///   while probe rollouts are still to be played;

@@ -99,7 +99,7 @@ pub(super) fn tells_weights_that_are_a_distribution(subject: Subject<'_>) {
         assert_eq!(weights.len(), GOALS, "{subject}: one weight per goal");
         assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{subject}: the sum of {weights:?}");
         let entropy: f64 = weights.iter().filter(|&&p| p > 0.0).map(|p| -p * p.ln()).sum();
-        for (name, expected) in [("entropy", entropy), ("effective_goals", entropy.exp())] {
+        for (name, expected) in [(names::ENTROPY, entropy), (names::EFFECTIVE_GOALS, entropy.exp())] {
             if let Some((_, told)) = summary.statistics.iter().find(|(known, _)| *known == name) {
                 assert!((told - expected).abs() < 1e-9, "{subject}: {name} is {told}, not {expected}");
             }
@@ -133,4 +133,8 @@ pub(super) fn tells_the_same_numbers_in_the_same_order(subject: Subject<'_>) {
     let snake_case =
         |name: &String| name.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
     assert!(before.iter().all(snake_case), "{subject}: {before:?}");
+    for (index, name) in before.iter().enumerate() {
+        assert!(!before[..index].contains(name), "{subject}: tells two numbers called {name}");
+        assert!(!names::OF_PICKS.contains(&name.as_str()), "{subject}: goalbench itself records {name}");
+    }
 }

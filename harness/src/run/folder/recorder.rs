@@ -168,7 +168,8 @@ impl Recorder {
     /// Goes on from `extent`, whose default is the beginning. Later lines are cut off: the run writes them
     /// again. It keeps an event file if `tensorboard` asks for one or one is there already.
     ///
-    /// # Errors If the files cannot be written, or are not those that `extent` describes.
+    /// # Errors
+    /// If the files cannot be written, or are not those that `extent` describes.
     pub fn open(folder: &Path, extent: &Extent, tensorboard: bool) -> std::io::Result<Self> {
         let run = RunFolder::new(folder);
         let Extent { measured: MeasuredExtent { every_run, frontier }, shadow, shadow_s } = extent;

@@ -7,7 +7,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use reports::schema::RunKey;
 
 use super::row::Row;
-use super::tally::{Progress, Tally};
+use super::tally::{Running, Tally};
 use super::{Reporter, ending_text};
 use crate::console;
 use crate::pace;
@@ -62,15 +62,15 @@ fn show(bar: &ProgressBar, row: &Row<'_>) {
     bar.set_message(row.fit(console::columns().unwrap_or(console::FEWEST_COLUMNS) - 1));
 }
 
-fn of_run<'a>(job: &Job, name: &'a str, progress: Option<&Progress>) -> Row<'a> {
-    let step = progress.map_or(0, |progress| progress.step);
+fn of_run<'a>(job: &Job, name: &'a str, running: Option<&Running>) -> Row<'a> {
+    let step = running.map_or(0, |running| running.step);
     Row {
         name,
         share: (step as f64 / job.steps().max(1) as f64).min(1.0),
         count: pace::of_steps(step, job.steps()),
-        success: progress.and_then(|progress| progress.success),
-        steps_per_s: progress.and_then(Progress::steps_per_s),
-        left: progress.and_then(|progress| progress.left(job.steps())),
+        success: running.and_then(|running| running.success),
+        steps_per_s: running.and_then(Running::steps_per_s),
+        left: running.and_then(|running| running.left(job.steps())),
     }
 }
 

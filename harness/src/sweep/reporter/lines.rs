@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use reports::wording::counted;
 
-use super::tally::{Progress, Tally};
+use super::tally::{Running, Tally};
 use super::{Reporter, ending_text};
 use crate::console;
 use crate::pace::{self, human};
@@ -30,7 +30,7 @@ impl Reporter for Lines {
 
     fn event(&self, job: &Job, event: &Event) {
         let mut tally = self.0.lock().expect("no holder of this lock panics");
-        let speed = tally.heard(job, event).and_then(Progress::steps_per_s);
+        let speed = tally.heard(job, event).and_then(Running::steps_per_s);
         let Event::Evaluated { step, success_rate } = event else { return };
         let speed = speed.map_or(String::new(), |speed| format!("  {} steps/s", pace::rounded(speed)));
         let left = tally.left().map_or(String::new(), |left| format!(", {} left", human(left)));

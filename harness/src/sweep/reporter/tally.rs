@@ -16,7 +16,7 @@ pub(super) struct Tally {
     pub(super) runs: usize,
     /// Runs that have ended, now or before: neither those that were stopped nor those that crashed.
     pub(super) ended: usize,
-    current: BTreeMap<RunKey, Progress>,
+    current: BTreeMap<RunKey, Running>,
     /// Steps of all runs that were open when the sweep began.
     total: u64,
     /// Steps that this sweep took in runs that no worker is on any more.
@@ -27,7 +27,7 @@ pub(super) struct Tally {
 }
 
 /// A run with a worker.
-pub(super) struct Progress {
+pub(super) struct Running {
     begun: Instant,
     /// When the worker first told its step, and that step: 0, or its checkpoint's.
     first: Option<(Instant, u64)>,
@@ -38,7 +38,7 @@ pub(super) struct Progress {
     recorded: Option<f64>,
 }
 
-impl Progress {
+impl Running {
     /// Steps taken since the worker began.
     fn taken(&self) -> u64 {
         self.step - self.first.map_or(self.step, |(_, step)| step.min(self.step))
@@ -75,37 +75,36 @@ impl Tally {
     }
 
     pub(super) fn started(&mut self, job: &Job) {
-        let progress =
-            Progress { begun: Instant::now(), first: None, step: 0, success: None, recorded: None };
-        self.current.insert(job.run().clone(), progress);
+        let running = Running { begun: Instant::now(), first: None, step: 0, success: None, recorded: None };
+        self.current.insert(job.run().clone(), running);
     }
 
     /// Takes in what a worker told; gives its run as it is then.
-    pub(super) fn heard(&mut self, job: &Job, event: &Event) -> Option<&Progress> {
-        let progress = self.current.get_mut(job.run())?;
+    pub(super) fn heard(&mut self, job: &Job, event: &Event) -> Option<&Running> {
+        let running = self.current.get_mut(job.run())?;
         let (Event::Step { step } | Event::Evaluated { step, .. }) = event else { return None };
-        progress.step = *step;
-        if progress.first.is_none() {
-            progress.first = Some((Instant::now(), *step));
+        running.step = *step;
+        if running.first.is_none() {
+            running.first = Some((Instant::now(), *step));
             self.not_here = self.not_here.saturating_add(*step);
         }
         if let Event::Evaluated { success_rate, .. } = event {
-            progress.success = Some(*success_rate);
-            progress.recorded = pace::recorded(&RunFolder::new(&job.folder));
+            running.success = Some(*success_rate);
+            running.recorded = pace::recorded(&RunFolder::new(&job.folder));
         }
-        Some(progress)
+        Some(running)
     }
 
     /// Takes in how a run ended; gives it as it last was, if it had a worker.
-    pub(super) fn ended(&mut self, job: &Job, ending: &Ending) -> Option<Progress> {
+    pub(super) fn ended(&mut self, job: &Job, ending: &Ending) -> Option<Running> {
         let last = self.current.remove(job.run());
-        if let Some(progress) = &last {
-            self.taken = self.taken.saturating_add(progress.taken());
+        if let Some(running) = &last {
+            self.taken = self.taken.saturating_add(running.taken());
         }
         match ending {
             Ending::Ended(_) => self.ended += 1,
             Ending::Stopped | Ending::Taken | Ending::Crashed { .. } => {
-                let step = last.as_ref().map_or(0, |progress| progress.step);
+                let step = last.as_ref().map_or(0, |running| running.step);
                 self.not_here = self.not_here.saturating_add(job.steps().saturating_sub(step));
             }
         }
@@ -114,7 +113,7 @@ impl Tally {
 
     /// Steps that this sweep took, and those that it has to take.
     fn steps(&self) -> (u64, u64) {
-        let running = self.current.values().map(Progress::taken).fold(0, u64::saturating_add);
+        let running = self.current.values().map(Running::taken).fold(0, u64::saturating_add);
         (self.taken.saturating_add(running), self.total.saturating_sub(self.not_here))
     }
 
@@ -126,7 +125,7 @@ impl Tally {
 
     /// Training steps per second of all runs in progress together.
     pub(super) fn steps_per_s(&self) -> Option<f64> {
-        self.current.values().filter_map(Progress::steps_per_s).reduce(|a, b| a + b)
+        self.current.values().filter_map(Running::steps_per_s).reduce(|a, b| a + b)
     }
 
     /// How long the sweep still takes if it goes on as it has.

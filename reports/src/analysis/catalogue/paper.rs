@@ -167,7 +167,7 @@ pub enum Measure {
     /// The area under the learning curve.
     Area,
     /// The noise of the learning curve: the mean size of the change of the success rate from an evaluation to
-    /// the next.
+    /// the next. A run that failed has none.
     Noise,
 }
 

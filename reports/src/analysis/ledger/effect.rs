@@ -3,7 +3,7 @@
 use super::students;
 use super::verdict::Interval;
 use crate::analysis::catalogue::Measure;
-use crate::analysis::complete::Pair;
+use crate::analysis::complete::{self, Pair};
 use crate::analysis::group;
 use crate::analysis::options::ReportOptions;
 use crate::analysis::scores;
@@ -35,6 +35,9 @@ pub struct Effect {
     pub left_out: usize,
     /// Runs that count although they failed, in all environments: 0 from their failure on.
     pub failed: usize,
+    /// Pairs that do not count because a run of them failed and a failed run has no such measure, by
+    /// environment: `MazeA (seed 3)`.
+    pub unmeasured: Vec<String>,
     /// Environments that are not judged: no seed of both sides, or different students. With the reason.
     pub not_judged: Vec<String>,
 }
@@ -124,7 +127,7 @@ impl Effect {
 
     /// What to say where the claim cannot be tested, and why; `None` where it can.
     pub(super) fn lack(&self, options: &ReportOptions, resampling: Resampling) -> Option<String> {
-        if self.pairs == 0 {
+        if self.pairs == 0 && self.unmeasured.is_empty() {
             return Some("no pair of runs with the same seed".to_owned());
         }
         if self.is_small(options) {
@@ -170,6 +173,9 @@ impl Effect {
             1 => "; 1 failed run counts 0 from its failure on".to_owned(),
             k => format!("; {k} failed runs count 0 from their failure on"),
         };
+        if !self.unmeasured.is_empty() {
+            text += &format!("; no pair, for a run of it failed: {}", self.unmeasured.join(", "));
+        }
         text + &match self.left_out {
             0 => String::new(),
             k => format!("; {} left out, not finished or with other evaluations", counted(k, "run")),
@@ -185,8 +191,7 @@ pub(super) fn effect(
     options: &ReportOptions,
     resampling: Resampling,
 ) -> Effect {
-    let mut places = Vec::new();
-    let mut not_judged = Vec::new();
+    let (mut places, mut unmeasured, mut not_judged) = (Vec::new(), Vec::new(), Vec::new());
     let mut failed = 0;
     for pair in pairs {
         let environment = &pair.a.key.environment;
@@ -196,23 +201,48 @@ pub(super) fn effect(
             not_judged.push(format!("{environment} (different students: {settings})"));
             continue;
         }
+        let broken = if counts_failed(measure) { Vec::new() } else { broken(pair) };
+        if !broken.is_empty() {
+            unmeasured.push(format!("{environment} ({})", of_seeds(&broken)));
+        }
         match PlaceEffect::of(environment, differences(pair, measure, options)) {
             Some(place) => {
                 places.push(place);
-                failed += pair.failed;
+                failed += if counts_failed(measure) { pair.failed } else { 0 };
             }
-            None => not_judged.push(format!("{environment} (no seed of both)")),
+            None if broken.is_empty() => not_judged.push(format!("{environment} (no seed of both)")),
+            None => {}
         }
     }
     let left_out = pairs.iter().map(|pair| pair.left_out).sum();
-    Effect { left_out, failed, not_judged, ..Effect::over(places, resampling) }
+    Effect { left_out, failed, unmeasured, not_judged, ..Effect::over(places, resampling) }
 }
 
-/// `a - b` for every seed that both have.
+/// Whether a run that failed, and counts 0 from then on, has this measure. Its zeros do not change from one
+/// to the next, so that it would be the least noisy of all.
+fn counts_failed(measure: Measure) -> bool {
+    measure != Measure::Noise
+}
+
+/// The seeds of the pairs in which a run failed.
+fn broken(pair: &Pair<'_>) -> Vec<u64> {
+    let failed = group::shared_seeds(&pair.a, &pair.b)
+        .filter(|(a, b)| complete::is_completed(a) || complete::is_completed(b));
+    failed.map(|(a, _)| a.key().seed).collect()
+}
+
+/// `seed 3`, `seeds 3, 5`.
+fn of_seeds(seeds: &[u64]) -> String {
+    let list = seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    format!("{} {list}", if seeds.len() == 1 { "seed" } else { "seeds" })
+}
+
+/// `a - b` for every seed that both have, as far as both have the measure.
 fn differences(pair: &Pair<'_>, measure: Measure, options: &ReportOptions) -> Vec<f64> {
     let score = |run: &Run| match measure {
         Measure::Final => scores::final_score(&run.records, options.window),
         Measure::Area => scores::area_under_curve(&run.records),
+        Measure::Noise if complete::is_completed(run) => None,
         Measure::Noise => noise(&run.records),
     };
     group::shared_seeds(&pair.a, &pair.b).filter_map(|(a, b)| Some(score(a)? - score(b)?)).collect()

@@ -267,21 +267,19 @@ fn somewhere_best(tested: &[Tested], bench: Bench<'_>, each: Bench<'_>) -> Findi
     let at = |effect: &'_ Effect, name: &str| {
         effect.places.iter().find(|place| place.environment == name).cloned()
     };
-    // The hardest of the others to beat decides in each environment.
-    let worst = |name: &&str| -> f64 {
-        let p =
-            |(_, effect): &Tested| at(effect, name).map_or(1.0, |place| bench.p_beyond(&place, 0.0, -1.0));
-        tested.iter().map(p).fold(0.0, f64::max)
+    // A value of too few pairs is neither beaten nor beats.
+    let p = |bench: Bench<'_>, (_, effect): &Tested, name: &str, direction: f64| match at(effect, name) {
+        Some(place) if !effect.is_small(bench.options) => bench.p_beyond(&place, 0.0, direction),
+        _ => 1.0,
     };
+    // The hardest of the others to beat decides in each environment.
+    let worst =
+        |name: &&str| -> f64 { tested.iter().map(|value| p(bench, value, name, -1.0)).fold(0.0, f64::max) };
     let p_values: Vec<f64> = environments.iter().map(worst).collect();
     let adjusted = crate::stats::hochberg(&p_values);
     let is_best = |(_, p): &(&&str, f64)| *p <= bench.level() + 1e-9;
     let best: Vec<&str> = environments.iter().zip(adjusted).filter(is_best).map(|(name, _)| *name).collect();
-    let is_beaten = |name: &&str| {
-        tested.iter().any(|(_, effect)| {
-            at(effect, name).is_some_and(|place| each.p_beyond(&place, 0.0, 1.0) <= each.level() + 1e-9)
-        })
-    };
+    let is_beaten = |name: &&str| tested.iter().any(|value| p(each, value, name, 1.0) <= each.level() + 1e-9);
     let beaten: Vec<&str> = environments.iter().copied().filter(|name| is_beaten(name)).collect();
     let verdict = if !best.is_empty() {
         Verdict::Confirmed

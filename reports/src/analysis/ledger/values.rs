@@ -134,6 +134,7 @@ fn shown((value, effect): &Tested, options: &ReportOptions, resampling: Resampli
     let difference = effect.difference.map_or_else(String::new, |difference| format!("{difference:+.2}"));
     let interval = effect
         .interval
+        .filter(|_| !effect.is_small(options))
         .map(|(low, high)| format!("{difference} [{low:+.2}, {high:+.2}], {}", standing(effect)));
     let lack = || {
         let lack = effect.lack(options, resampling).unwrap_or_default();

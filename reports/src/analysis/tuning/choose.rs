@@ -57,9 +57,9 @@ impl TrialRuns<'_> {
     }
 }
 
-/// The mean, rounded to 12 digits: equal runs are equal numbers, and tie.
+/// The mean, [rounded](stats::rounded): equal runs tie.
 pub fn mean(scores: &[f64]) -> f64 {
-    stats::mean(scores).map_or(0.0, |mean| (mean * 1e12).round() / 1e12)
+    stats::mean(scores).map_or(0.0, stats::rounded)
 }
 
 /// The best of what was `tried`, the default settings first: of equal ones the first. `None` of none.

@@ -12,8 +12,9 @@ use crate::analysis::complete::Pair;
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::groups::Groups;
 use crate::analysis::options::ReportOptions;
+use crate::analysis::paired::{self, PairedDifference};
 use crate::schema::{TrialPlace, TrialScore, TunedCurriculum, Tuning};
-use crate::stats::{self, Ddof, SignFlip};
+use crate::stats::{self, Ddof};
 use crate::store;
 use crate::store::problem::StoreProblem;
 use choose::measured;
@@ -58,19 +59,6 @@ pub struct FreshScores {
     pub mean: f64,
     /// Its standard deviation over seeds; `None` for one.
     pub std: Option<f64>,
-}
-
-/// The difference of two sides that share seeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairedDifference {
-    /// Seeds that both have.
-    pub pairs: usize,
-    /// Mean over them.
-    pub mean: f64,
-    /// Its paired bootstrap interval; `None` for fewer than two pairs.
-    pub interval: Option<(f64, f64)>,
-    /// The sign-flip test of them.
-    pub sign_flip: Option<SignFlip>,
 }
 
 impl TuningFile {
@@ -131,10 +119,7 @@ impl<'a> TunedPlace<'a> {
         // Only runs of the same evaluations may be compared.
         let pair = Pair::of(tuned, default);
         let (tuned, default) = (by_seed(&pair.a), by_seed(&pair.b));
-        let there = |seed: u64| default.iter().find(|(other, _)| *other == seed).map(|(_, score)| *score);
-        let pairs: Vec<(f64, f64)> =
-            tuned.iter().filter_map(|&(seed, score)| Some((score, there(seed)?))).collect();
-        let difference = PairedDifference::of(&pairs, options);
+        let difference = PairedDifference::of(&paired::pairs(&tuned, &default), options);
         let (default, tuned) = (FreshScores::of(&default), FreshScores::of(&tuned));
         Self { key, tried, default, tuned, difference }
     }
@@ -184,18 +169,6 @@ impl FreshScores {
             n: scores.len(),
             mean: stats::mean(&scores)?,
             std: stats::std_dev(&scores, Ddof::Sample),
-        })
-    }
-}
-
-impl PairedDifference {
-    fn of(pairs: &[(f64, f64)], options: &ReportOptions) -> Option<Self> {
-        let differences: Vec<f64> = pairs.iter().map(|(a, b)| a - b).collect();
-        Some(Self {
-            pairs: pairs.len(),
-            mean: stats::mean(&differences)?,
-            interval: stats::paired_interval(pairs, options.resampling),
-            sign_flip: stats::sign_flip(&[&differences], options.resampling),
         })
     }
 }
