@@ -122,7 +122,7 @@ fn check(lines: &[Shadowing], own: &str) {
             let tells = line.eval_index % 4 == 0
                 && match shadow.id.as_str() {
                     "lp" => true,
-                    "teach" | "procurl" => line.step > 0,
+                    "teach" | "procurl" | "plr" | "goid" => line.step > 0,
                     _ => continue,
                 };
             let told = shadow.beliefs.as_ref().and_then(|beliefs| Some(beliefs.scores.as_ref()?.len()));
@@ -215,6 +215,54 @@ fn a_shadow_that_fails_is_silent_and_in_nobodys_way() {
         assert!(output.status.success(), "{}", stderr(&output));
         let summary = fs::read_to_string(layout::report_dir(&out).join("summary.md")).expect("a report");
         assert!(summary.contains("fell silent in 1 of 1 run"), "{name}");
+    }
+}
+
+/// The same, but it hears of episodes slowly, for as long as it is asked, and does not start beside a file
+/// called `gone`.
+const SLOW: &str = r#"#!/bin/sh
+[ -e "$(dirname "$0")/gone" ] && exit 1
+while read -r line; do
+  case "$line" in
+    *'"type":"hello"'*) echo '{"type":"ready","protocol":1}' ;;
+    *'"type":"propose"'*) echo '{"type":"goal","goal":0}' ;;
+    *'"type":"save"'*) echo '{"type":"saved","state":""}' ;;
+    *) sleep 0.02; echo '{"type":"heard"}' ;;
+  esac
+done
+"#;
+
+#[test]
+fn a_shadow_that_cannot_be_built_again_is_silent_from_the_step_of_the_checkpoint_on() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (out, program) = (folder.path().join("out"), folder.path().join("slow.sh"));
+    fs::write(&program, SLOW).expect("it can be written");
+    let command = format!("curriculum.process.command=sh {}", program.display());
+    let settings = ["--curriculum", "teach", "--seeds", "0", "--steps", "4000", "--shadow", "process"];
+    let args = [&settings[..], &["--set", "evaluation.every=200", "--set", &command]].concat();
+    let records = run_of(&out, "teach").file(layout::RECORDS);
+    let mut parent = Command::new(env!("CARGO_BIN_EXE_goalbench"))
+        .args(toy_args(&out, &args))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    while fs::read_to_string(&records).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(parent.try_wait().expect("it can be asked").is_none(), "it has ended already");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    parent.kill().expect("it can be killed");
+    parent.wait().expect("it was started here");
+    fs::write(folder.path().join("gone"), "").expect("it can be written");
+    toy(&out, &args);
+    let lines = shadows(&out, "teach");
+    let failed = |line: &Shadowing| line.shadows[0].failed.clone();
+    let (well, silent): (Vec<_>, Vec<_>) = lines.iter().partition(|line| failed(line).is_none());
+    let last = well.last().expect("it watched before it was killed");
+    assert!(last.step >= 400 && !silent.is_empty(), "{lines:?}");
+    for line in silent {
+        let reason = failed(line).expect("it is silent");
+        assert!(reason.starts_with(&format!("step {}: ", last.step)), "{reason}");
     }
 }
 

@@ -154,8 +154,8 @@ pub(crate) static FAULTS: &[Fault] = &[
         title: "GOID takes mastered goals for goals of intermediate difficulty",
         baseline: METHODS,
         file: "curricula/src/methods/goid.rs",
-        original: "is_some_and(|rate| is_intermediate(rate, lowest, highest))",
-        faulty: "is_some_and(|rate| is_intermediate(rate, lowest, highest.max(1.0)))",
+        original: "is_some_and(|rate| is_of_intermediate_difficulty(rate, lowest, highest))",
+        faulty: "is_some_and(|rate| is_of_intermediate_difficulty(rate, lowest, highest.max(1.0)))",
         shows: false,
     },
     Fault {

@@ -2,8 +2,8 @@
 //! Generation for Reinforcement Learning Agents", ICML 2018, arXiv 1705.06366).
 //!
 //! A goal is of intermediate difficulty if the student succeeds at it sometimes, at a rate in [R_min, R_max]
-//! ([`is_intermediate`]). Most episodes' goals are of this kind now, some have been at some time, so that
-//! they are not forgotten, and some are tried afresh.
+//! ([`is_of_intermediate_difficulty`]). Most episodes' goals are of this kind now, some have been at some
+//! time, so that they are not forgotten, and some are tried afresh.
 //!
 //! # Deviations and choices
 //! The authors' code is `florensacc/rllab-curriculum` (commit f55b5022), `curriculum/state/evaluator.py` and
@@ -32,7 +32,7 @@
 
 use std::sync::Arc;
 
-use agents::Episode;
+use agents::{Critic, Episode};
 use envs::Goals;
 use looks::{Dash, Look, Marker};
 use schemars::{JsonSchema, Schema};
@@ -43,6 +43,7 @@ use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::history::History;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::regions::Regions;
 use crate::snapshot;
@@ -83,16 +84,21 @@ impl Default for GoidConfig {
     }
 }
 
-/// Whether a success rate is intermediate: in [`lowest`, `highest`].
+/// Whether a success rate is one of intermediate difficulty: in [`lowest`, `highest`].
 ///
 /// ```
-/// use curricula::methods::goid::is_intermediate;
+/// use curricula::methods::goid::is_of_intermediate_difficulty;
 ///
-/// let are = [0.0, 0.1, 0.5, 0.9, 1.0].map(|p| is_intermediate(p, 0.1, 0.9));
+/// let are = [0.0, 0.1, 0.5, 0.9, 1.0].map(|p| is_of_intermediate_difficulty(p, 0.1, 0.9));
 /// assert_eq!(are, [false, true, true, true, false]);
 /// ```
-pub fn is_intermediate(rate: f64, lowest: f64, highest: f64) -> bool {
+pub fn is_of_intermediate_difficulty(rate: f64, lowest: f64, highest: f64) -> bool {
     (lowest..=highest).contains(&rate)
+}
+
+/// p (1 − p), for no number of the method's own says how much it wants a goal.
+fn score(rate: f64) -> f64 {
+    rate * (1.0 - rate)
 }
 
 /// The GOID teacher.
@@ -122,7 +128,7 @@ impl Goid {
     /// Whether a region is of intermediate difficulty now.
     fn is_good(&self, history: &History, region: usize) -> bool {
         let GoidConfig { lowest, highest, .. } = self.config;
-        history.rate(region).is_some_and(|rate| is_intermediate(rate, lowest, highest))
+        history.rate(region).is_some_and(|rate| is_of_intermediate_difficulty(rate, lowest, highest))
     }
 
     /// The goals of all regions that `are`.
@@ -192,9 +198,7 @@ impl Method for Goid {
         let goal = state.curriculum.draw(lesson.rng);
         let region = self.regions.of(goal);
         state.playing = Some(region);
-        // p (1 − p), for no number of the method's own says how much it wants a goal.
-        let score = state.history.rate(region).map(|rate| rate * (1.0 - rate));
-        Ok(Proposal::pool(goal).scored(score))
+        Ok(Proposal::pool(goal).scored(state.history.rate(region).map(score)))
     }
 
     fn observe(&self, state: &mut GoidState, episode: &Episode) -> Result<(), CurriculumError> {
@@ -210,6 +214,14 @@ impl Method for Goid {
         summary.statistics.push(("intermediate_goals", good as f64));
         summary.statistics.push(("earlier_goals", self.goals(|region| state.earlier[region]).len() as f64));
         summary
+    }
+
+    /// A goal has the success rate of its region; one of a region without an episode is not judged.
+    fn judge(&self, state: &GoidState, _student: &dyn Critic) -> Judgement {
+        let rates = (0..self.pool.len()).map(|goal| state.history.rate(self.regions.of(goal)));
+        let success: Vec<Option<f64>> = rates.collect();
+        let scores = success.iter().map(|rate| rate.map(score)).collect();
+        Judgement::of_some(success, scores)
     }
 
     fn check_state(&self, state: &GoidState) -> Result<(), CurriculumError> {

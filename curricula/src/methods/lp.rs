@@ -183,7 +183,7 @@ impl Method for Lp {
     fn judge(&self, state: &LpState, _student: &dyn Critic) -> Judgement {
         let progress = self.progress(state);
         let scores = (0..self.pool.len()).map(|goal| progress[self.regions.of(goal)]).collect();
-        Judgement { success: None, scores: Some(scores) }
+        Judgement::of_all(None, Some(scores))
     }
 
     fn check_state(&self, state: &LpState) -> Result<(), CurriculumError> {

@@ -43,6 +43,7 @@ use crate::config::schema_of;
 use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
+use crate::judgement::Judgement;
 use crate::method::Method;
 use crate::played::told_of;
 use crate::snapshot;
@@ -301,6 +302,11 @@ impl Method for Plr {
         summary.statistics.push(("seen_goals", scores.len() as f64));
         summary.statistics.push(("td_error_mean", scores.iter().sum::<f64>() / scores.len() as f64));
         summary
+    }
+
+    /// A goal that has no score yet is not judged.
+    fn judge(&self, state: &PlrState, _student: &dyn Critic) -> Judgement {
+        Judgement::of_some(Vec::new(), state.scores.clone())
     }
 
     fn check_state(&self, state: &PlrState) -> Result<(), CurriculumError> {

@@ -206,7 +206,7 @@ impl Method for ProCurl {
     fn judge(&self, ProCurlState(scored): &ProCurlState, student: &dyn Critic) -> Judgement {
         let confidence = scored.common.probe.window().last();
         let success = |confidence| self.config.probabilities(confidence, student.lowest_value());
-        Judgement { success: confidence.map(success), scores: scored.scores() }
+        Judgement::of_all(confidence.map(success), scored.scores())
     }
 
     fn check_state(&self, ProCurlState(scored): &ProCurlState) -> Result<(), CurriculumError> {

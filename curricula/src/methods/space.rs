@@ -315,7 +315,7 @@ impl Method for Space {
     /// those that the last update ranked all goals by.
     fn judge(&self, SpaceState { common, .. }: &SpaceState, student: &dyn Critic) -> Judgement {
         let success = common.probe.success(student.lowest_value());
-        Judgement { success, scores: self.config.order.scores(common.probe.window()) }
+        Judgement::of_all(success, self.config.order.scores(common.probe.window()))
     }
 
     fn check_state(&self, state: &SpaceState) -> Result<(), CurriculumError> {

@@ -295,7 +295,7 @@ impl Method for Teach {
     fn judge(&self, state: &TeachState, student: &dyn Critic) -> Judgement {
         let scored = &state.scored;
         let success = scored.common.probe.success(student.lowest_value());
-        Judgement { success, scores: scored.scores() }
+        Judgement::of_all(success, scored.scores())
     }
 
     fn check_state(&self, state: &TeachState) -> Result<(), CurriculumError> {

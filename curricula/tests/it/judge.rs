@@ -3,8 +3,8 @@
 use curricula::Judgement;
 use curricula::testing::Class;
 
-fn close(found: Option<Vec<f64>>, expected: &[f64]) {
-    let found = found.expect("a belief");
+fn close(found: Option<Vec<Option<f64>>>, expected: &[f64]) {
+    let found = found.into_iter().flatten().collect::<Option<Vec<f64>>>().expect("a belief of every goal");
     assert_eq!(found.len(), expected.len());
     assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
 }
@@ -68,9 +68,44 @@ fn lp_tells_the_progress_of_regions() {
         let Judgement { success, scores } = class.teacher.judge(&class.student);
         let scores = scores.expect("a score for every goal");
         assert_eq!((success, scores.len()), (None, 3));
-        let mean = scores.iter().sum::<f64>() / 3.0;
+        let mean = scores.iter().flatten().sum::<f64>() / 3.0;
         assert!((mean - class.statistic("progress_mean")).abs() < 1e-12, "{scores:?}");
         told = told.max(mean);
     }
     assert!(told > 0.0, "nothing was learned");
+}
+
+#[test]
+fn plr_tells_the_scores_of_goals_that_were_learned_from() {
+    let mut class = Class::new("plr", "schedule = \"fixed\"\nreplay = 0.0", 3, |_, _| -10.0);
+    class.student.surprise = |_, _| 0.5;
+    assert_eq!(class.teacher.judge(&class.student), Judgement::default(), "no episode yet");
+    let goal = class.propose_index();
+    assert_eq!(class.teacher.judge(&class.student), Judgement::default(), "not learned from yet");
+    class.learn();
+    let mut expected = vec![None; 3];
+    expected[goal] = Some(0.5);
+    let scores = Some(expected);
+    assert_eq!(class.teacher.judge(&class.student), Judgement { success: None, scores });
+}
+
+#[test]
+fn goid_tells_the_success_of_regions_that_were_tried() {
+    // A region for each goal; the first try of one is a success, the second a failure.
+    let mut class = Class::new("goid", "goals_per_region = 1", 2, |_, _| -10.0);
+    assert_eq!(class.teacher.judge(&class.student), Judgement::default(), "nothing was tried yet");
+    class.mastery = |_, _| 1.0;
+    let goal = class.propose_index();
+    let told = |goal: usize, value: f64| {
+        let mut list = vec![None; 2];
+        list[goal] = Some(value);
+        Some(list)
+    };
+    let expected = Judgement { success: told(goal, 1.0), scores: told(goal, 0.0) };
+    assert_eq!(class.teacher.judge(&class.student), expected);
+    class.mastery = |_, _| 0.0;
+    while class.propose_index() != goal {}
+    let Judgement { success, scores } = class.teacher.judge(&class.student);
+    let of_goal = |list: Option<Vec<Option<f64>>>| list.and_then(|list| list[goal]);
+    assert_eq!((of_goal(success), of_goal(scores)), (Some(0.5), Some(0.25)));
 }

@@ -43,3 +43,15 @@ pub enum RunError {
     #[error("cannot record")]
     Unrecorded(#[from] std::io::Error),
 }
+
+impl RunError {
+    /// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is
+    /// to blame: there is no memory, or a device went away.
+    pub(crate) fn is_libtorch(&self) -> bool {
+        matches!(
+            self,
+            Self::Student(AgentError::Torch(_))
+                | Self::Teacher(CurriculumError::Student(AgentError::Torch(_)))
+        )
+    }
+}

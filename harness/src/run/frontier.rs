@@ -15,15 +15,18 @@ use super::error::RunError;
 use super::evaluate::{LOCKSTEP, play};
 use crate::config::frontier::FrontierOptions;
 
-/// What is recorded of a teacher's judgement of a pool of `size` goals: each list that is complete, and that
-/// single precision can hold. Nothing of a teacher that tells neither.
+/// What is recorded of a teacher's judgement of a pool of `size` goals: each list that has an entry for every
+/// goal and tells of at least one, and that single precision can hold. Nothing of a teacher that tells
+/// neither.
 pub(super) fn beliefs(judgement: &Judgement, size: usize) -> Option<Beliefs> {
-    let narrow = |values: &Vec<f64>| {
-        let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
-        (values.len() == size && values.iter().all(|value| value.is_finite())).then_some(values)
+    let narrow = |values: &Vec<Option<f64>>| {
+        let values: Vec<Option<f32>> = values.iter().map(|value| value.map(|value| value as f32)).collect();
+        let mut told = values.iter().flatten().peekable();
+        let fits = values.len() == size && told.peek().is_some() && told.all(|value| value.is_finite());
+        fits.then_some(values)
     };
     let success = judgement.success.as_ref().and_then(narrow);
-    let success = success.filter(|values| values.iter().all(|value| (0.0..=1.0).contains(value)));
+    let success = success.filter(|values| values.iter().flatten().all(|value| (0.0..=1.0).contains(value)));
     let scores = judgement.scores.as_ref().and_then(narrow);
     (success.is_some() || scores.is_some()).then_some(Beliefs { success, scores })
 }
@@ -96,10 +99,9 @@ mod tests {
     #[test]
     fn only_whole_lists_of_sound_numbers_are_recorded() {
         let judged = |success: &[f64], scores: &[f64]| {
-            let judgement = Judgement { success: Some(success.to_vec()), scores: Some(scores.to_vec()) };
-            beliefs(&judgement, 2)
+            beliefs(&Judgement::of_all(Some(success.to_vec()), Some(scores.to_vec())), 2)
         };
-        let [success, scores] = [Some(vec![0.0, 1.0]), Some(vec![-3.0, 0.5])];
+        let [success, scores] = [[0.0, 1.0], [-3.0, 0.5]].map(|values| Some(values.map(Some).to_vec()));
         let both = Beliefs { success: success.clone(), scores: scores.clone() };
         assert_eq!(judged(&[0.0, 1.0], &[-3.0, 0.5]), Some(both));
         let only_scores = Some(Beliefs { success: None, scores });
@@ -108,5 +110,10 @@ mod tests {
         assert_eq!(judged(&[0.0, 1.0], &[f64::NAN, 1e300]), Some(Beliefs { success, scores: None }));
         assert_eq!(judged(&[f64::NAN, 1.0], &[]), None);
         assert_eq!(beliefs(&Judgement::default(), 2), None);
+        // Of some goals nothing is known, of all of them nothing is told.
+        let known = |scores: [Option<f64>; 2]| Judgement { success: None, scores: Some(scores.to_vec()) };
+        let told = Some(Beliefs { success: None, scores: Some(vec![None, Some(0.5)]) });
+        assert_eq!(beliefs(&known([None, Some(0.5)]), 2), told);
+        assert_eq!(beliefs(&known([None, None]), 2), None);
     }
 }

@@ -20,7 +20,6 @@ use serde::{Deserialize, Serialize};
 use super::errand::{self, Errand};
 use super::exit::ExitCode;
 use super::job::Job;
-use super::worker::is_libtorch;
 use crate::Registry;
 use crate::error::{HarnessError, chain};
 use crate::run::checkpoint::{self, REPLAY};
@@ -121,7 +120,7 @@ fn begin(registry: &Registry, manifest: Manifest, on_cpu: bool) -> Result<(), Ha
     match Trainer::new(registry, run.clone(), config) {
         // This machine has no memory for it, or lost a device: the run fails alone, and may go better
         // elsewhere.
-        Err(error) if is_libtorch(&error) => Ok(()),
+        Err(error) if error.is_libtorch() => Ok(()),
         result => result.map(drop).map_err(HarnessError::impossible(&run, "begin")),
     }
 }

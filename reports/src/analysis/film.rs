@@ -10,6 +10,7 @@ use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::goal_map::{COORDINATES, Cube, GoalSpaces};
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::groups::Groups;
+use crate::analysis::parts::{episode_end, slice_of};
 use crate::schema::{Frontier, Teaching};
 use crate::store::{self, Run};
 
@@ -85,7 +86,7 @@ impl Film {
         for line in lines {
             for (index, goal) in line.goals.iter().enumerate().filter(|(_, goal)| fits(goal)) {
                 let pick = line.picks.as_ref().and_then(|picks| *picks.get(index)?);
-                let step = ended(line, before, index);
+                let step = episode_end(line, before, index);
                 *picked[slice_of(step, end, count)].entry(Place::of(pick, goal)).or_default() += 1;
                 if let Some(pick) = pick {
                     known.entry(pick).or_insert_with(|| goal.clone());
@@ -154,19 +155,6 @@ impl Place {
     }
 }
 
-/// The step at which an episode of `line` ended. A line holds all episodes since the one before it, which
-/// ended at step `before`; they are taken to be equally long.
-pub fn ended(line: &Teaching, before: u64, index: usize) -> u64 {
-    let length = line.step.saturating_sub(before);
-    before + length * (index as u64 + 1) / line.goals.len().max(1) as u64
-}
-
-/// Which of `count` slices of `end` steps an episode belongs to that ended at `step`.
-pub fn slice_of(step: u64, end: u64, count: usize) -> usize {
-    let slice = u128::from(step.saturating_sub(1)) * count as u128 / u128::from(end.max(1));
-    (slice as usize).min(count - 1)
-}
-
 /// The world in which goals lie.
 #[derive(Clone, Copy, Debug)]
 pub enum GoalWorld<'a> {
@@ -225,7 +213,6 @@ mod tests {
 
     #[test]
     fn slices_by_hand() {
-        assert_eq!([1, 25, 26, 50, 51, 100, 120].map(|step| slice_of(step, 100, 4)), [0, 0, 1, 1, 2, 3, 3]);
         let key = GroupKey::new(&Catalogue::default(), "M", "nova", "default");
         let [a, b, c] = [[0.5, 0.5], [-0.5, 0.0], [0.1, 0.2]].map(Vec::from);
         let line = |eval_index, step, goals: &[&Vec<f32>], picks: &[Option<u32>]| Teaching {

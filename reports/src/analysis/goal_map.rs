@@ -6,9 +6,9 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::analysis::catalogue::EnvironmentInfo;
-use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::group::GroupKey;
 use crate::analysis::groups::Groups;
-use crate::analysis::heat::PHASES;
+use crate::analysis::parts::{PHASES, budget, episode_end, third_of};
 use crate::schema::Teaching;
 use crate::store;
 use crate::store::problem::StoreProblem;
@@ -106,8 +106,8 @@ impl GoalSpaces {
                     continue;
                 }
                 let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();
-                let end = last_step(group);
-                let placed = read.iter().flat_map(|(lines, _)| placed(lines, end)).collect();
+                let runs = group.runs.iter().zip(&read);
+                let placed = runs.flat_map(|(run, (lines, _))| placed(lines, budget(run))).collect();
                 goals.push((group.key.clone(), placed));
                 spaces.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
             }
@@ -117,24 +117,15 @@ impl GoalSpaces {
     }
 }
 
-/// Training steps that thirds are thirds of.
-fn last_step(group: &Group<'_>) -> u64 {
-    group.runs.iter().filter_map(|run| run.records.last()).map(|record| record.step).max().unwrap_or(0)
-}
-
-/// The goals of a run's training episodes, each with its third of `end` steps. A line holds all episodes
-/// since the one before it, which are taken to be equally long.
-fn placed(lines: &[Teaching], end: u64) -> Vec<Placed> {
+/// The goals of a run's training episodes, each with the third of the run's `budget` in which its episode
+/// ended ([`episode_end`]).
+fn placed(lines: &[Teaching], budget: u64) -> Vec<Placed> {
     let mut placed = Vec::new();
     let mut before = 0;
     for line in lines {
-        let count = line.goals.len().max(1) as u64;
-        let length = line.step.saturating_sub(before);
-        for (index, goal) in (1..).zip(&line.goals) {
+        for (index, goal) in line.goals.iter().enumerate() {
             let &[x, y, z] = goal.as_slice() else { continue };
-            let step = before + length * index / count;
-            let third = step.saturating_sub(1).saturating_mul(PHASES.len() as u64) / end.max(1);
-            placed.push(((third as usize).min(PHASES.len() - 1), [x, y, z]));
+            placed.push((third_of(episode_end(line, before, index), budget), [x, y, z]));
         }
         before = line.step;
     }

@@ -161,6 +161,13 @@ impl<'a> Group<'a> {
         Self { key: self.key.clone(), runs: self.runs.iter().copied().filter(kept).collect() }
     }
 
+    /// The group with the runs that its numbers are of: those that have ended, by finishing or by a failure
+    /// from which on they count 0. Where none has, all of them, as far as they got.
+    pub fn settled(&self) -> Self {
+        let ended = self.filtered(|run| run.is_finished() || complete::is_completed(run));
+        if ended.runs.is_empty() { self.clone() } else { ended }
+    }
+
     /// Whether its runs lie in the results folder, and not in an archive.
     pub fn is_own(&self) -> bool {
         self.key.curriculum.origin.is_none()

@@ -7,12 +7,10 @@ use rayon::prelude::*;
 use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::group::GroupKey;
 use crate::analysis::groups::Groups;
+use crate::analysis::parts::{budget, episode_end, third_of};
 use crate::schema::Teaching;
 use crate::store;
 use crate::store::problem::StoreProblem;
-
-/// Thirds of training.
-pub const PHASES: [&str; 3] = ["early", "middle", "late"];
 
 /// Fewest episodes in a cell whose success rate is shown.
 pub const FEWEST_EPISODES: u32 = 5;
@@ -35,33 +33,31 @@ pub struct HeatMap {
     pub runs: (usize, usize),
     /// The step that the one of its runs that has come furthest was evaluated at.
     pub reached: u64,
-    /// One per entry of [`PHASES`].
+    /// The training steps whose thirds are shown: the largest budget of its runs.
+    pub budget: u64,
+    /// One per third of training.
     pub phases: [HeatPhase; 3],
 }
 
 impl HeatMap {
-    /// Counts the episodes of a group's runs, each with its lines by rising step; `end` is the number of
-    /// training steps that thirds are thirds of, the same for all groups of a maze. An episode belongs to the
-    /// third in which it ended: a line holds all episodes since the one before it, which are taken to be
-    /// equally long. `None` if no goal is a position in the plane.
+    /// Counts the episodes of a group's runs, each with its budget and its lines by rising step. An episode
+    /// belongs to the third of its run in which it ended ([`episode_end`]). `None` if no goal is a position
+    /// in the plane.
     pub fn of<'a>(
         key: &GroupKey,
         maze: &MazeInfo,
-        end: u64,
-        runs: impl IntoIterator<Item = &'a [Teaching]>,
+        runs: impl IntoIterator<Item = (u64, &'a [Teaching])>,
     ) -> Option<Self> {
         let cells = maze.side() * maze.side();
         let empty = || HeatPhase { episodes: vec![0; cells], successes: vec![0; cells] };
         let mut phases = [empty(), empty(), empty()];
-        let (mut telling, mut all, mut reached) = (0, 0, 0);
-        for lines in runs {
+        let (mut telling, mut all, mut reached, mut largest) = (0, 0, 0, 0);
+        for (budget, lines) in runs {
             let (mut before, mut any) = (0, false);
             for line in lines {
-                let length = line.step.saturating_sub(before) as f64 / line.goals.len().max(1) as f64;
-                for (index, (goal, &success)) in (1..).zip(line.goals.iter().zip(&line.successes)) {
+                for (index, (goal, &success)) in line.goals.iter().zip(&line.successes).enumerate() {
                     let &[x, y] = goal.as_slice() else { continue };
-                    let step = before + (length * f64::from(index)).round() as u64;
-                    let phase = &mut phases[third(step, end)];
+                    let phase = &mut phases[third_of(episode_end(line, before, index), budget)];
                     let (row, column) = maze.cell_of([x, y]);
                     phase.episodes[row * maze.side() + column] += 1;
                     phase.successes[row * maze.side() + column] += u32::from(success);
@@ -69,9 +65,11 @@ impl HeatMap {
                 }
                 before = line.step;
             }
-            (telling, all, reached) = (telling + usize::from(any), all + 1, before.max(reached));
+            (telling, all) = (telling + usize::from(any), all + 1);
+            (reached, largest) = (before.max(reached), budget.max(largest));
         }
-        (telling > 0).then(|| Self { key: key.clone(), runs: (telling, all), reached, phases })
+        let runs = (telling, all);
+        (telling > 0).then(|| Self { key: key.clone(), runs, reached, budget: largest, phases })
     }
 }
 
@@ -112,8 +110,6 @@ pub struct Heat<'a> {
 pub struct MazeHeat<'a> {
     /// The maze.
     pub maze: &'a MazeInfo,
-    /// The training steps whose thirds are shown: those of the run that has come furthest.
-    pub end: u64,
     /// One per group.
     pub maps: Vec<HeatMap>,
 }
@@ -127,37 +123,25 @@ impl<'a> Heat<'a> {
             let mut maps = Vec::new();
             let mut here = groups.compared_groups();
             here.retain(|group| group.key.environment == maze.id && group.is_own());
-            let last = here.iter().flat_map(|group| &group.runs).filter_map(|run| run.records.last());
-            let end = last.map(|record| record.step).max().unwrap_or(0);
             for group in here {
                 let read: Vec<_> = group.runs.par_iter().map(|run| store::teaching(results, run)).collect();
+                let budgets = group.runs.iter().map(|run| budget(run));
                 let lines = read.iter().map(|(lines, _)| lines.as_slice());
-                maps.extend(HeatMap::of(&group.key, maze, end, lines));
+                maps.extend(HeatMap::of(&group.key, maze, budgets.zip(lines)));
                 heat.problems.extend(read.into_iter().flat_map(|(_, problems)| problems));
             }
             if !maps.is_empty() {
-                heat.mazes.push(MazeHeat { maze, end, maps });
+                heat.mazes.push(MazeHeat { maze, maps });
             }
         }
         heat
     }
 }
 
-/// The third of `end` steps that an episode which ended at `step` belongs to.
-pub fn third(step: u64, end: u64) -> usize {
-    let third = u128::from(step.saturating_sub(1)) * 3 / u128::from(end.max(1));
-    third.min(2) as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::analysis::catalogue::Catalogue;
-
-    #[test]
-    fn thirds_by_hand() {
-        assert_eq!([0, 1, 30, 31, 60, 61, 90, 95].map(|step| third(step, 90)), [0, 0, 0, 1, 1, 2, 2, 2]);
-    }
 
     #[test]
     fn heat_by_hand() {
@@ -170,7 +154,7 @@ mod tests {
             successes: vec![true, true, false],
             ..Teaching::default()
         };
-        let heat = HeatMap::of(&key, &maze, 450, [std::slice::from_ref(&line)]).unwrap();
+        let heat = HeatMap::of(&key, &maze, [(450, std::slice::from_ref(&line))]).unwrap();
         assert_eq!(heat.phases[0].shares(), [1.0 / 3.0, 2.0 / 3.0, 0.0, 0.0]);
         assert_eq!(
             (&heat.phases[0].episodes, &heat.phases[0].successes),
@@ -179,7 +163,8 @@ mod tests {
         let phase = HeatPhase { episodes: vec![4, 5, 0, 10], successes: vec![4, 5, 0, 3] };
         assert_eq!(phase.rates(), [None, Some(1.0), None, Some(0.3)]);
         assert_eq!(heat.phases[2].shares(), [0.0; 4]);
-        assert_eq!(HeatMap::of(&key, &maze, 450, []), None);
+        assert_eq!((heat.reached, heat.budget), (150, 450));
+        assert_eq!(HeatMap::of(&key, &maze, []), None);
     }
 
     #[test]
@@ -194,7 +179,7 @@ mod tests {
             ..Teaching::default()
         };
         let counts = |runs: &[&[Teaching]]| {
-            let heat = HeatMap::of(&key, &maze, 90, runs.iter().copied()).unwrap();
+            let heat = HeatMap::of(&key, &maze, runs.iter().map(|&lines| (90, lines))).unwrap();
             heat.phases.map(|phase| phase.episodes[0])
         };
         // One evaluation at the end of training: nine episodes of 10 steps.

@@ -8,6 +8,7 @@ use crate::analysis::complete;
 use crate::analysis::cost;
 use crate::analysis::goal_map;
 use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::teachers::teachers;
 use crate::analysis::tuning::{DEFAULT, TunedPlace};
 use crate::analysis::whole::Analysis;
 use crate::schema::{Outcome, Record};
@@ -167,11 +168,13 @@ fn shadows(analysis: &Analysis<'_>) -> Vec<String> {
     let mut lacking = Vec::new();
     for group in &analysis.groups.all {
         let watched: Vec<_> = group.runs.iter().filter_map(|run| analysis.shadow.of_run(run)).collect();
+        let teachers = teachers(group, &analysis.shadow, analysis.catalogue());
         let failed: BTreeSet<&String> = watched.iter().flat_map(|run| run.failed.keys()).collect();
         for id in failed {
             let reasons: Vec<&String> = watched.iter().filter_map(|run| run.failed.get(id)).collect();
             let (place, name) = (&group.key.environment, group.key.name());
-            let (shadow, count) = (analysis.catalogue().title(id), reasons.len());
+            let known = teachers.iter().find(|teacher| teacher.id == *id);
+            let (shadow, count) = (known.map_or(id, |teacher| &teacher.title), reasons.len());
             let all = counted(watched.len(), "run");
             let reason = reasons[0];
             lacking

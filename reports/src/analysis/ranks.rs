@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::analysis::film::{ended, slice_of};
 use crate::analysis::group::{Group, GroupKey};
 use crate::analysis::groups::Groups;
+use crate::analysis::parts::{episode_end, slice_of};
 use crate::schema::Teaching;
 use crate::store;
 
@@ -60,7 +60,7 @@ fn ranked(lines: &[Teaching], end: u64) -> Vec<(usize, u32)> {
     let mut before = 0;
     for line in lines {
         for (index, rank) in line.ranks.iter().flatten().enumerate() {
-            let slice = slice_of(ended(line, before, index), end, TIMES);
+            let slice = slice_of(episode_end(line, before, index), end, TIMES);
             found.extend(rank.map(|rank| (slice, rank)));
         }
         before = line.step;

@@ -1,6 +1,5 @@
 //! The numbers of each environment, curriculum and variant.
 
-use crate::analysis::complete;
 use crate::analysis::cost::Cost;
 use crate::analysis::curves::{Curve, DDOF, Point};
 use crate::analysis::finals::Finals;
@@ -11,10 +10,9 @@ use crate::store::Run;
 
 /// What the tables say about one group. Success rates are shares in [0, 1].
 ///
-/// Numbers are those of the runs that have ended: finished ones, and failed ones that count 0 from their
-/// failure on ([`complete::failed_as_zero`]). A run that has not ended is further behind than its method is,
-/// and is mixed with none of these; only where no run has ended yet the numbers are those of all, as far as
-/// they got.
+/// Numbers are those of the runs that have ended ([`Group::settled`]): finished ones, and failed ones that
+/// count 0 from their failure on. A run that has not ended is further behind than its method is, and is mixed
+/// with none of these; only where no run has ended yet the numbers are those of all, as far as they got.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupSummary {
     /// Which group.
@@ -61,10 +59,9 @@ impl GroupSummary {
     /// The numbers of a group; final scores average the last `window` evaluations of a seed.
     pub fn of(group: &Group<'_>, window: usize, resampling: Resampling) -> Option<Self> {
         let finished = group.filtered(Run::is_finished);
-        let ended = group.filtered(|run| run.is_finished() || complete::is_completed(run));
-        let counted = if ended.runs.is_empty() { group } else { &ended };
+        let counted = group.settled();
         let runs = &counted.runs;
-        let finals = Finals::of(counted, window).scores();
+        let finals = Finals::of(&counted, window).scores();
         let of_finished = Finals::of(&finished, window).scores();
         let areas: Vec<f64> = runs.iter().filter_map(|run| scores::area_under_curve(&run.records)).collect();
         let times = |threshold: f64| -> Vec<Option<u64>> {
@@ -74,7 +71,7 @@ impl GroupSummary {
         let any: Option<Vec<f64>> =
             runs.iter().map(|run| scores::final_any_score(&run.records, window)).collect();
         let iqm = |strata: &[Vec<f64>]| stats::iqm(&strata[0]);
-        let n_failed = ended.failed();
+        let n_failed = counted.failed();
         let with_spread = |scores: &[f64]| Some((stats::mean(scores)?, stats::std_dev(scores, DDOF)));
         Some(Self {
             key: group.key.clone(),
@@ -88,7 +85,7 @@ impl GroupSummary {
             final_any_mean: any.and_then(|any| stats::mean(&any)),
             final_iqm: stats::iqm(&finals),
             final_ci: stats::stratified_interval(&[&finals], iqm, resampling),
-            best: best(&Curve::of(counted), runs.len()),
+            best: best(&Curve::of(&counted), runs.len()),
             auc_mean: stats::mean(&areas),
             auc_std: stats::std_dev(&areas, DDOF),
             steps_to_50: median_steps(&to_50),

@@ -23,7 +23,7 @@ pub static NUMBERS: [&str; 5] = [
 pub struct PickSummary {
     /// Which group.
     pub key: GroupKey,
-    /// Seeds with at least one evaluation.
+    /// Seeds that the numbers are of ([`Group::settled`]).
     pub n_seeds: usize,
     /// [`mean_over_training`] of each of [`NUMBERS`], then the mean over the seeds that have one; no entry
     /// where none has.
@@ -33,6 +33,7 @@ pub struct PickSummary {
 impl PickSummary {
     /// The numbers of a group.
     pub fn of(group: &Group<'_>) -> Self {
+        let group = group.settled();
         let mean = |name: &'static str| {
             let by_seed: Vec<f64> =
                 group.runs.iter().filter_map(|run| mean_over_training(&run.records, name)).collect();

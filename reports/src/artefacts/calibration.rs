@@ -2,14 +2,13 @@
 
 use super::files::file_name;
 use super::{Artefact, Drawing, Section, columns};
-use crate::analysis::calibration::estimate::{Calibration, SeedBin, part_of};
+use crate::analysis::calibration::estimate::{Calibration, SeedBin};
 use crate::analysis::calibration::progress::ScoreAndChange;
-use crate::analysis::calibration::{BINS, ByThirdMeans, Judged, of_teacher};
-use crate::analysis::shadow::agreement::MeanStd;
+use crate::analysis::calibration::{BINS, Judged, of_teacher};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
-use crate::render::table::cells::{UNDEFINED, decimal, with_spread};
+use crate::render::table::cells::{UNDEFINED, decimal};
 use crate::render::table::{Column, Sheet};
 use crate::schema::RunKey;
 use crate::stats;
@@ -34,37 +33,19 @@ pub(super) const JUDGEMENTS: Artefact =
 
 pub(super) const DIAGRAMS: Artefact = Artefact::figures("calibration", Section::Environments, draw);
 
-/// Names of a number's columns: over all of a run, then over each third.
-pub(super) type PartNames = [(&'static str, &'static str); 4];
-
-const ERROR: PartNames = [
-    ("calibration_error", "calibration_error_std"),
-    ("calibration_error_1", "calibration_error_1_std"),
-    ("calibration_error_2", "calibration_error_2_std"),
-    ("calibration_error_3", "calibration_error_3_std"),
-];
-const CORRELATION: PartNames = [
-    ("correlation", "correlation_std"),
-    ("correlation_1", "correlation_1_std"),
-    ("correlation_2", "correlation_2_std"),
-    ("correlation_3", "correlation_3_std"),
-];
-
 fn rows(analysis: &Analysis<'_>) -> Vec<Calibration> {
     analysis.groups.all.iter().flat_map(|group| Calibration::of(group, analysis)).collect()
 }
 
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let rows = rows(analysis);
-    let mut columns = vec![
-        columns::environment(|row: &Calibration| &row.key),
-        columns::curriculum(|row| &row.key),
-        columns::variant(|row| &row.key),
-        columns::teacher(
-            "curriculum id of the teacher whose estimates are judged",
-            true,
-            |row: &Calibration| (&row.teacher, row.is_shadow()),
-        ),
+    let mut columns = columns::of_teacher(
+        "curriculum id of the teacher whose estimates are judged",
+        true,
+        |row: &Calibration| &row.teacher.key,
+        |row| &row.teacher,
+    );
+    columns.extend([
         Column::count(
             "n_judged",
             "seeds with estimates at a measure after training had begun",
@@ -79,63 +60,37 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         .shown("Estimate", |row| decimal(row.means.0)),
         Column::real("success", "mean measured success, likewise", |row: &Calibration| row.means.1)
             .shown("Success", |row| decimal(row.means.1)),
-    ];
-    columns.extend(by_part(
-        ERROR,
+    ]);
+    columns.extend(columns::by_part(
+        "calibration_error",
         ["Calibration error", "First third", "", "Last third"],
         "expected calibration error of the estimates, in ten bins of equal width, over the goals and measures of this part of \
          a run; mean over seeds",
-        |row: &Calibration| &row.error,
+        |row: &Calibration| row.error,
     ));
-    columns.extend(by_part(
-        CORRELATION,
+    columns.extend(columns::by_part(
+        "correlation",
         ["Rank correlation", "First third of it", "", "Last third of it"],
         "Spearman's rank correlation of estimates and measured success over the goals of the pool, mean over the measures of \
          this part of a run, then over seeds; empty where all goals were alike",
-        |row: &Calibration| &row.correlation,
+        |row: &Calibration| row.correlation,
     ));
     Sheet::of(caption(), &rows, &columns)
-}
-
-/// Mean and standard deviation over seeds of a number over all of a run and over each third; shown below
-/// titles that are not empty.
-pub(super) fn by_part<R: 'static>(
-    names: PartNames,
-    titles: [&'static str; 4],
-    meaning: &'static str,
-    of: fn(&R) -> &ByThirdMeans,
-) -> Vec<Column<'static, R>> {
-    const PARTS: [&str; 4] = ["all of it", "the first third", "the second third", "the last third"];
-    let part = |(part, ((name, std), title)): (usize, ((&'static str, &'static str), &'static str))| {
-        let value = move |row: &R| -> MeanStd { part_of(of(row), part) };
-        let meaning = if part == 0 { meaning.to_owned() } else { format!("the same of {}", PARTS[part]) };
-        let mean = Column::real(name, meaning, move |row: &R| value(row).0);
-        let mean = if title.is_empty() {
-            mean
-        } else {
-            mean.shown(title, move |row| with_spread(value(row).0, value(row).1))
-        };
-        let std = Column::real(
-            std,
-            "its standard deviation over seeds; empty for fewer than two",
-            move |row: &R| value(row).1,
-        );
-        [mean, std]
-    };
-    names.into_iter().zip(titles).enumerate().flat_map(part).collect()
 }
 
 fn caption() -> String {
     format!(
         "Whether teachers' estimates of success hold. Estimate: how likely a teacher took the student to succeed at a goal, \
-         mean over the goals of the pool. ProCuRL's is its p; TEACH and SPaCE make none themselves, and their confidence is \
-         read as ProCuRL reads it, as a share of the way from the lowest return there is to 0. Success: what was \
-         measured in greedy episodes. Calibration error: estimates are put into {BINS} bins of equal width; the distance \
+         mean over the goals of the pool that it has an estimate of. ProCuRL's is its p; GOID's is how often the last \
+         episodes towards a goal's region succeeded, with exploration noise; TEACH and SPaCE make none themselves, and \
+         their confidence is read as ProCuRL reads it, as a share of the way from the lowest return there is to 0. Success: \
+         what was measured in greedy episodes. Calibration error: estimates are put into {BINS} bins of equal width; the distance \
          between mean estimate and mean success of a bin, mean over bins by the number of goals in them; 0 for \
          estimates that hold. Rank correlation: Spearman's, of estimates and success; 1.00 where they put all goals in \
          one order, less where goals of equal success have different estimates. A return of -1 per step also tells \
          how long success takes, so estimates below 1 for mastered goals are to be expected. Means over measures, the \
-         untrained student's left out, then over seeds ± standard deviation; {UNDEFINED} where all goals were alike."
+         untrained student's left out, then over the seeds whose run has ended (where none has, over all) ± standard \
+         deviation; of a run that failed the measures before count. {UNDEFINED} where all goals were alike."
     )
 }
 
@@ -156,13 +111,17 @@ fn bins(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let edge = |index: usize| index as f64 / BINS as f64;
     let columns = [
         Column::text(columns::ENVIRONMENT.0, columns::ENVIRONMENT.1, |row: &BinRow<'_>| {
-            row.0.key.environment.clone()
+            row.0.teacher.key.environment.clone()
         }),
         Column::text(columns::CURRICULUM.0, columns::CURRICULUM.1, |row: &BinRow<'_>| {
-            row.0.key.curriculum.id.clone()
+            row.0.teacher.key.curriculum.id.clone()
         }),
-        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &BinRow<'_>| row.0.key.variant.clone()),
-        Column::text("teacher", "curriculum id of the teacher", |row: &BinRow<'_>| row.0.teacher.id.clone()),
+        Column::text(columns::VARIANT.0, columns::VARIANT.1, |row: &BinRow<'_>| {
+            row.0.teacher.key.variant.clone()
+        }),
+        Column::text("teacher", "curriculum id of the teacher", |row: &BinRow<'_>| {
+            row.0.teacher.method.id.clone()
+        }),
         Column::text(
             "part",
             "`all` of a run, or its `first`, `second` or `last` third",
@@ -225,7 +184,7 @@ fn judgements(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         ),
         Column::text("teacher", "curriculum id of the teacher", |row: &JudgedRow<'_>| row.teacher.clone()),
         Column::real("estimate", "mean estimate of success; empty without any", |row: &JudgedRow<'_>| {
-            stats::mean(row.judged.estimates.as_deref()?)
+            row.judged.mean_estimate()
         }),
         Column::real("success", "mean measured success", |row: &JudgedRow<'_>| {
             stats::mean(&row.judged.success)

@@ -1,12 +1,14 @@
 //! Columns and captions that several tables share.
 
-use std::sync::Arc;
+use std::borrow::Cow;
 
-use crate::analysis::catalogue::MethodInfo;
 use crate::analysis::group::GroupKey;
 use crate::analysis::ledger::{Effect, LedgerEntry};
+use crate::analysis::parts::{ByThirdMeans, MeanStd};
 use crate::analysis::summary::GroupSummary;
+use crate::analysis::teachers::GroupTeacher;
 use crate::render::table::Column;
+use crate::render::table::cells::with_spread;
 use crate::schema::RunKey;
 
 pub(super) const ENVIRONMENT: (&str, &str) = ("environment", "environment id");
@@ -44,22 +46,69 @@ pub(super) fn run<'c, R: 'c>(key: fn(&R) -> &RunKey) -> [Column<'c, R>; 4] {
     ]
 }
 
-/// The id of a teacher, the one that acted or one that watched; to read, if it `is_shown`, its name and which
-/// of both it is.
-pub(super) fn teacher<'c, R: 'c>(
+/// Which group of runs, and which of the teachers that saw their students: its id; to read, if it `is_shown`,
+/// its name and whether it watched.
+pub(super) fn of_teacher<'c, R: 'c>(
     meaning: &str,
     is_shown: bool,
-    of: fn(&R) -> (&Arc<MethodInfo>, bool),
-) -> Column<'c, R> {
+    key: fn(&R) -> &GroupKey,
+    of: fn(&R) -> &GroupTeacher,
+) -> Vec<Column<'c, R>> {
     let meaning = format!("{meaning}: `curriculum`, which acted, or a shadow");
-    let column = Column::text("teacher", meaning, move |row| of(row).0.id.clone());
-    if !is_shown {
-        return column;
-    }
-    column.named("Teacher", move |row| {
-        let (teacher, is_shadow) = of(row);
-        if is_shadow { format!("{} (watched)", teacher.title) } else { teacher.title.clone() }
-    })
+    let id = Column::text("teacher", meaning, move |row: &R| of(row).method.id.clone());
+    let name = move |row: &R| {
+        let title = &of(row).method.title;
+        if of(row).is_shadow() { format!("{title} (watched)") } else { title.clone() }
+    };
+    vec![
+        environment(key),
+        curriculum(key),
+        variant(key),
+        if is_shown { id.named("Teacher", name) } else { id },
+    ]
+}
+
+/// `column`, shown below `title` unless that is empty.
+pub(super) fn titled<'c, R>(
+    column: Column<'c, R>,
+    title: &'static str,
+    text: impl Fn(&R) -> String + 'c,
+) -> Column<'c, R> {
+    if title.is_empty() { column } else { column.shown(title, text) }
+}
+
+/// A mean over seeds, shown below `title` unless that is empty, and its standard deviation.
+pub(super) fn mean_std<'c, R: 'c>(
+    name: String,
+    title: &'static str,
+    meaning: impl Into<Cow<'static, str>>,
+    of: impl Fn(&R) -> MeanStd + Copy + 'c,
+) -> [Column<'c, R>; 2] {
+    let std = Column::real(
+        format!("{name}_std"),
+        "its standard deviation over seeds; empty for fewer than two",
+        move |row: &R| of(row).1,
+    );
+    let mean = Column::real(name, meaning, move |row: &R| of(row).0);
+    [titled(mean, title, move |row| with_spread(of(row).0, of(row).1)), std]
+}
+
+/// [`mean_std`] of a number over all of a run, then over each third.
+pub(super) fn by_part<'c, R: 'c>(
+    name: &str,
+    titles: [&'static str; 4],
+    meaning: &'static str,
+    of: impl Fn(&R) -> ByThirdMeans + Copy + 'c,
+) -> Vec<Column<'c, R>> {
+    const PARTS: [&str; 4] = ["all of it", "the first third", "the second third", "the last third"];
+    let columns = titles.into_iter().enumerate().flat_map(|(part, title)| {
+        let (name, meaning) = match part {
+            0 => (name.to_owned(), meaning.to_owned()),
+            _ => (format!("{name}_{part}"), format!("the same of {}", PARTS[part])),
+        };
+        mean_std(name, title, meaning, move |row: &R| of(row).part(part))
+    });
+    columns.collect()
 }
 
 /// Seeds with at least one evaluation.

@@ -24,9 +24,11 @@ fn columns() -> [Column<'static, CoverageSummary>; 9] {
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        Column::count("n_measured", "seeds with a measure of the frontier", |row: &CoverageSummary| {
-            row.n_seeds as u64
-        })
+        Column::count(
+            "n_measured",
+            "seeds with a measure of the frontier, or that failed before it",
+            |row: &CoverageSummary| row.n_seeds as u64,
+        )
         .shown("Seeds", |row| row.n_seeds.to_string()),
         share("success", "success at the goals of the pool in the last measure".into(), "Success", |mean| {
             Some(mean.success)
@@ -70,8 +72,9 @@ fn share(
 
 fn caption() -> String {
     format!(
-        "How much of the pool students cover, by the measures of the frontier: means over seeds. Success: at all goals in \
-         the last measure. Ever solved: share of the goals with a success of at least {SOLVED} in some measure. Forgotten: \
+        "How much of the pool students cover, by the measures of the frontier: means over the seeds whose run has ended (where \
+         none has, over all). A run that failed counts 0 from its failure on, unless failures are left out: it has success at \
+         no goal, and has forgotten what it had solved. Success: at all goals in the last measure. Ever solved: share of the goals with a success of at least {SOLVED} in some measure. Forgotten: \
          share of these whose success lies below {FORGOTTEN} in the last measure; {UNDEFINED} where none was solved. Worst \
          10 % and 25 %: success in the last measure over the goals at which it is lowest (conditional value at \
          risk); with few episodes per goal chance makes it look lower than it is."

@@ -6,12 +6,11 @@ use super::{Artefact, Drawing, Repeated, Section, columns};
 use crate::analysis::frontier::border::TOGETHER;
 use crate::analysis::frontier::coverage::SOLVED;
 use crate::analysis::frontier::map;
-use crate::analysis::frontier::sight::{INTERMEDIATE, MeasureSight, SightMeans, SightSummary};
-use crate::analysis::shadow::agreement::MeanStd;
+use crate::analysis::frontier::sight::{AreaMeans, INTERMEDIATE, MeasureSight, SightMeans, SightSummary};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure;
-use crate::render::table::cells::{UNDEFINED, decimal, or_undefined, with_spread};
+use crate::render::table::cells::{UNDEFINED, decimal, or_undefined};
 use crate::render::table::{Column, Sheet};
 use crate::schema::{Frontier, RunKey};
 use crate::stats;
@@ -30,23 +29,21 @@ pub(super) const MAPS: Artefact = Artefact::figures("frontier", Section::Environ
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
     let rows: Vec<SightSummary> = groups.flat_map(|group| SightSummary::of(group, analysis)).collect();
-    let is_watched = rows.iter().any(SightSummary::is_shadow);
-    let mut columns = vec![
-        columns::environment(|row: &SightSummary| &row.key),
-        columns::curriculum(|row| &row.key),
-        columns::variant(|row| &row.key),
-        columns::teacher(
-            "curriculum id of the teacher whose weights and proposals are judged",
-            is_watched,
-            |row: &SightSummary| (&row.teacher, row.is_shadow()),
-        ),
+    let is_watched = rows.iter().any(|row| row.teacher.is_shadow());
+    let mut columns = columns::of_teacher(
+        "curriculum id of the teacher whose scores, weights and proposals are judged",
+        is_watched,
+        |row: &SightSummary| &row.teacher.key,
+        |row| &row.teacher,
+    );
+    columns.push(
         Column::count(
             "n_measured",
             "seeds with a measure of the frontier after training had begun",
             |row: &SightSummary| row.n_seeds as u64,
         )
         .shown("Seeds", |row| row.n_seeds.to_string()),
-    ];
+    );
     columns.extend(sight_columns(&ITSELF, |row| Some(&row.itself)));
     columns.extend(sight_columns(&BORDER, |row| row.border.as_ref()));
     Sheet::of(caption(is_watched), &rows, &columns)
@@ -54,67 +51,59 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 
 /// How the columns about one kind of goals are called.
 struct Names {
+    /// Before the names of all but the first.
+    prefix: &'static str,
+    /// Name, title and meaning.
     share: (&'static str, &'static str, &'static str),
-    proposed: (&'static str, &'static str),
-    count: &'static str,
-    /// Name, name of its standard deviation, title (none: not shown) and meaning.
-    areas: [(&'static str, &'static str, &'static str, &'static str); 5],
+    /// Title (none: not shown).
+    proposed: &'static str,
+    weights: AreaNames,
+    scores: AreaNames,
+}
+
+/// How the columns about an area are called.
+struct AreaNames {
+    /// Titles (none: not shown): over all of a run, over each third, and of the change.
+    titles: [&'static str; 5],
+    meaning: &'static str,
 }
 
 const ITSELF: Names = Names {
+    prefix: "",
     share: (
         "intermediate",
         "Goals of intermediate success",
         "share of the goals of the pool with intermediate success, mean over measures, then over seeds",
     ),
-    proposed: ("proposed", ""),
-    count: "n_auc",
-    areas: [
-        (
-            "auc",
-            "auc_std",
-            "AUC of the weights",
-            "area under the ROC curve of the teacher's weights for these goals, mean over measures, then over seeds; empty \
-             where the teacher has no weights, or no measure has goals of both kinds",
-        ),
-        ("auc_1", "auc_1_std", "", "the same in the first third of a run"),
-        ("auc_2", "auc_2_std", "", "in the second third"),
-        ("auc_3", "auc_3_std", "", "in the last third"),
-        (
-            "auc_change",
-            "auc_change_std",
-            "",
-            "that of the last third less that of the first, mean over the seeds that have both",
-        ),
-    ],
+    proposed: "",
+    weights: AreaNames {
+        titles: ["AUC of the weights", "", "", "", ""],
+        meaning: "area under the ROC curve of the teacher's weights for these goals, mean over measures, then over \
+                  seeds; empty where the teacher has no weights, or no measure has goals of both kinds",
+    },
+    scores: AreaNames {
+        titles: ["AUC of the scores", "", "", "", ""],
+        meaning: "the same of the teacher's scores, over the goals that have one; empty where it scores none",
+    },
 };
 
 const BORDER: Names = Names {
+    prefix: "border_",
     share: (
         "border",
         "Goals at the border",
         "share of the goals of the pool that lie at the border: with intermediate success of the goal and those next to it, \
          taken together; mean likewise; empty, as are the following, where nobody tells where goals lie",
     ),
-    proposed: ("border_proposed", "Proposals at the border"),
-    count: "n_border_auc",
-    areas: [
-        (
-            "border_auc",
-            "border_auc_std",
-            "AUC at the border",
-            "area under the ROC curve of the teacher's weights for the goals at the border, likewise",
-        ),
-        ("border_auc_1", "border_auc_1_std", "First third", "the same in the first third of a run"),
-        ("border_auc_2", "border_auc_2_std", "", "in the second third"),
-        ("border_auc_3", "border_auc_3_std", "Last third", "in the last third"),
-        (
-            "border_auc_change",
-            "border_auc_change_std",
-            "Change",
-            "that of the last third less that of the first, mean over the seeds that have both",
-        ),
-    ],
+    proposed: "Proposals at the border",
+    weights: AreaNames {
+        titles: ["AUC of weights at the border", "First third", "", "Last third", "Change"],
+        meaning: "area under the ROC curve of the teacher's weights for the goals at the border, likewise",
+    },
+    scores: AreaNames {
+        titles: ["AUC of scores at the border", "First third of it", "", "Last third of it", "Change of it"],
+        meaning: "the same of the teacher's scores, over the goals that have one, likewise",
+    },
 };
 
 /// The columns about one kind of goals.
@@ -125,48 +114,40 @@ fn sight_columns(
     let (name, title, meaning) = names.share;
     let share = move |row: &SightSummary| of(row).map(|means| means.share);
     let proposed = move |row: &SightSummary| of(row)?.proposed;
+    let proposals = Column::real(
+        format!("{}proposed", names.prefix),
+        "share of the goals that the teacher proposed since the evaluation before that are such goals, mean \
+         likewise; one from elsewhere counts as the nearest of the pool; empty where no shadow watched",
+        proposed,
+    );
     let mut columns = vec![
         Column::real(name, meaning, share).shown(title, move |row| or_undefined(share(row), decimal)),
-        shown_if_titled(
-            Column::real(
-                names.proposed.0,
-                "share of the goals that the teacher proposed since the evaluation before that are such goals, mean \
-                 likewise; one from elsewhere counts as the nearest of the pool; empty where no shadow watched",
-                proposed,
-            ),
-            names.proposed.1,
-            move |row| or_undefined(proposed(row), decimal),
-        ),
-        Column::count(names.count, "seeds with the following AUC", move |row: &SightSummary| {
-            of(row).map(|means| means.n_auc as u64)
-        }),
+        columns::titled(proposals, names.proposed, move |row| or_undefined(proposed(row), decimal)),
     ];
-    for (index, (name, std, title, meaning)) in names.areas.into_iter().enumerate() {
-        let area = move |row: &SightSummary| -> MeanStd {
-            of(row).map_or((None, None), |means| match index {
-                0 => means.auc,
-                third @ 1..=3 => means.auc_by_third[third - 1],
-                _ => means.auc_change,
-            })
-        };
-        let mean = Column::real(name, meaning, move |row: &SightSummary| area(row).0);
-        columns.push(shown_if_titled(mean, title, move |row| with_spread(area(row).0, area(row).1)));
-        columns.push(Column::real(
-            std,
-            "its standard deviation over seeds; empty for fewer than two",
-            move |row: &SightSummary| area(row).1,
-        ));
-    }
+    let (weights, scores) = (format!("{}auc", names.prefix), format!("{}score_auc", names.prefix));
+    columns.extend(area_columns(&weights, &names.weights, move |row| Some(of(row)?.weights)));
+    columns.extend(area_columns(&scores, &names.scores, move |row| Some(of(row)?.scores)));
     columns
 }
 
-/// `column`, shown below `title` if there is one.
-fn shown_if_titled(
-    column: Column<'static, SightSummary>,
-    title: &'static str,
-    text: impl Fn(&SightSummary) -> String + 'static,
-) -> Column<'static, SightSummary> {
-    if title.is_empty() { column } else { column.shown(title, text) }
+/// The columns about an area.
+fn area_columns(
+    name: &str,
+    AreaNames { titles: [all, first, second, last, change], meaning }: &AreaNames,
+    of: impl Fn(&SightSummary) -> Option<AreaMeans> + Copy + 'static,
+) -> Vec<Column<'static, SightSummary>> {
+    let count = move |row: &SightSummary| of(row).map(|means| means.parts.n_seeds as u64);
+    let mut columns = vec![Column::count(format!("n_{name}"), "seeds with the following AUC", count)];
+    columns.extend(columns::by_part(name, [all, first, second, last], meaning, move |row| {
+        of(row).map(|means| means.parts).unwrap_or_default()
+    }));
+    columns.extend(columns::mean_std(
+        format!("{name}_change"),
+        change,
+        "that of the last third less that of the first, mean over the seeds that have both",
+        move |row| of(row).map(|means| means.change).unwrap_or_default(),
+    ));
+    columns
 }
 
 fn caption(is_watched: bool) -> String {
@@ -184,13 +165,16 @@ fn caption(is_watched: bool) -> String {
          measured success p has p(1 - p) above {INTERMEDIATE}. AUC of the weights: the probability that the teacher gave \
          such a goal more weight than another one at that moment, ties one half; 0.50 for a teacher that does not tell \
          them apart, 1.00 where all of them weigh more than all others, below 0.50 where it prefers goals that are \
-         mastered or out of reach. Where every episode has the same start, a greedy student reaches a goal always or never, \
-         and no goal has intermediate success by itself. Goals at the border: share of the goals that have it together with \
-         those next to them in the pool, {TOGETHER} goals in all, by Euclidean distance, be there a wall in between or not; \
-         AUC of the weights for these, over all measures, over those of the first and of the last third of a run, and the \
-         difference of the two where a run has both. Means over measures, the untrained student's left out, then over \
-         seeds ± standard deviation; {UNDEFINED} for teachers that do not weigh the pool, and where no measure has goals of \
-         both kinds. Few episodes per goal make goals look intermediate, or not, by chance, which pulls the \
+         mastered or out of reach. AUC of the scores: the same of what the teacher scores goals by, over those that it has \
+         scored; weights follow from scores in each method's own way, and may follow from other things besides. Where every \
+         episode has the same start, a greedy student reaches a goal always or never, and no goal has intermediate \
+         success by itself. Goals at the border: share of the goals that have it together with those next to them in \
+         the pool, {TOGETHER} goals in all, by Euclidean distance, be there a wall in between or not; AUC of weights \
+         and of scores for these, over all measures, over those of the first and of the last third of a run's budget, and \
+         the difference of the two where a run has both. Means over measures, the untrained student's left out, then over \
+         the seeds whose run has ended (where none has, over all) ± standard deviation; of a run that failed the measures \
+         before count. {UNDEFINED} for teachers that do not weigh the pool, or score no goals, and where no measure has \
+         goals of both kinds. Few episodes per goal make goals look intermediate, or not, by chance, which pulls the \
          AUC towards 0.50.{watched}"
     )
 }
@@ -231,7 +215,12 @@ fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             "auc",
             "area under the ROC curve of the teacher's weights for the goals of intermediate success; empty where the \
              teacher has no weights, or all goals are of one kind",
-            |row: &Row<'_>| MeasureSight::of(row.1).auc,
+            |row: &Row<'_>| MeasureSight::of(row.1).weights,
+        ),
+        Column::real(
+            "score_auc",
+            "the same of the teacher's scores, over the goals that have one; empty likewise",
+            |row: &Row<'_>| MeasureSight::of(row.1).scores,
         ),
     ]);
     Sheet::of(String::new(), &rows, &columns)

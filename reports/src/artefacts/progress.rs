@@ -1,6 +1,6 @@
 //! Whether teachers' scores follow the student's progress, as measured.
 
-use super::calibration::{PartNames, SECTION, by_part};
+use super::calibration::SECTION;
 use super::{Artefact, columns};
 use crate::analysis::calibration::progress::ProgressSummary;
 use crate::analysis::whole::Analysis;
@@ -11,29 +11,16 @@ use crate::render::table::{Column, Sheet};
 pub(super) const ROW: Artefact =
     Artefact::table("progress", SECTION, "environment, curriculum, variant and teacher", sheet);
 
-const SINCE: PartNames = [
-    ("since", "since_std"),
-    ("since_1", "since_1_std"),
-    ("since_2", "since_2_std"),
-    ("since_3", "since_3_std"),
-];
-const UNTIL: PartNames = [
-    ("until", "until_std"),
-    ("until_1", "until_1_std"),
-    ("until_2", "until_2_std"),
-    ("until_3", "until_3_std"),
-];
-
 fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
     let rows: Vec<ProgressSummary> = groups.flat_map(|group| ProgressSummary::of(group, analysis)).collect();
-    let mut columns = vec![
-        columns::environment(|row: &ProgressSummary| &row.key),
-        columns::curriculum(|row| &row.key),
-        columns::variant(|row| &row.key),
-        columns::teacher("curriculum id of the teacher whose scores are judged", true, |row: &ProgressSummary| {
-            (&row.teacher, row.is_shadow())
-        }),
+    let mut columns = columns::of_teacher(
+        "curriculum id of the teacher whose scores are judged",
+        true,
+        |row: &ProgressSummary| &row.teacher.key,
+        |row| &row.teacher,
+    );
+    columns.extend([
         Column::count(
             "n_scored",
             "seeds with scores at a measure after training had begun",
@@ -47,19 +34,19 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             |row: &ProgressSummary| row.changed,
         )
         .shown("Goals that changed", |row| or_undefined(row.changed, decimal)),
-    ];
-    columns.extend(by_part(
-        SINCE,
+    ]);
+    columns.extend(columns::by_part(
+        "since",
         ["Change since", "First third", "Second third", "Last third"],
         "Spearman's rank correlation of the teacher's scores with the absolute change of measured success since the measure \
          before, mean over measures, then over seeds; empty where scores or changes were alike for all goals",
-        |row: &ProgressSummary| &row.since,
+        |row: &ProgressSummary| row.since,
     ));
-    columns.extend(by_part(
-        UNTIL,
+    columns.extend(columns::by_part(
+        "until",
         ["Change until", "", "", ""],
         "the same with the change until the measure after",
-        |row: &ProgressSummary| &row.until,
+        |row: &ProgressSummary| row.until,
     ));
     Sheet::of(caption(), &rows, &columns)
 }
@@ -67,13 +54,16 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 fn caption() -> String {
     format!(
         "Whether teachers' scores follow the student's progress. Scores: TEACH's variance of confidence over its window, \
-         ProCuRL's p(1 - p), SPaCE's improvement of confidence at its last update, LP's change of success in a goal's region. \
+         ProCuRL's p(1 - p), SPaCE's improvement of confidence at its last update, LP's change of success in a goal's region, \
+         GOID's p(1 - p) of the success there, PLR's temporal-difference error at the goal's last episode; correlations are \
+         over the goals that have a score. \
          Goals that changed: share of the goals whose measured success changed from a measure to the next, up or down. \
          Change since: Spearman's rank correlation over the pool of the scores at a measure with the absolute change of \
          success since the measure before, 1.00 where the goals that changed most have the highest scores, 0.00 \
          where scores say nothing of it. Change until: the same with the change until the measure after, which a score \
          would have to foresee. Many goals do not change at all, and share a rank, which keeps correlations below 1. \
-         Means over measures, then over seeds ± standard deviation; {UNDEFINED} where scores or changes were alike for \
+         Means over measures, then over the seeds whose run has ended (where none has, over all) ± standard deviation; of a \
+         run that failed the measures before count. {UNDEFINED} where scores or changes were alike for \
          all goals."
     )
 }

@@ -2,12 +2,12 @@
 
 use super::files::file_name;
 use super::{Artefact, Drawing, Section, columns};
-use crate::analysis::shadow::agreement::{AgreementSummary, MeanStd};
+use crate::analysis::shadow::agreement::AgreementSummary;
 use crate::analysis::shadow::{ShadowLine, TOP, WatchedRun};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure::{self, AgreementMatrix};
-use crate::render::table::cells::{UNDEFINED, with_spread};
+use crate::render::table::cells::UNDEFINED;
 use crate::render::table::{Column, Sheet};
 use crate::schema::RunKey;
 
@@ -21,16 +21,9 @@ pub(super) const MATRICES: Artefact = Artefact::figures("agreement", Section::En
 pub(super) const LINES: Artefact =
     Artefact::table("shadows", Section::Nowhere, "evaluation and shadow", lines).with_parquet();
 
-/// Names of the columns of the thirds.
-const CORRELATION: [(&str, &str); 3] = [
-    ("correlation_1", "correlation_1_std"),
-    ("correlation_2", "correlation_2_std"),
-    ("correlation_3", "correlation_3_std"),
-];
-const OVERLAP: [(&str, &str); 3] =
-    [("overlap_1", "overlap_1_std"), ("overlap_2", "overlap_2_std"), ("overlap_3", "overlap_3_std")];
-const CORRELATION_TITLES: [&str; 3] = ["Correlation, first third", "second third", "last third"];
-const OVERLAP_TITLES: [&str; 3] = ["Overlap, first third", "second third of it", "last third of it"];
+/// Titles of the columns of the thirds.
+const CORRELATION: [&str; 3] = ["Correlation, first third", "second third", "last third"];
+const OVERLAP: [&str; 3] = ["Overlap, first third", "second third of it", "last third of it"];
 
 fn agreement(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
     let groups = analysis.groups.all.iter();
@@ -52,24 +45,22 @@ fn agreement(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             "curriculum id of one of two teachers: `curriculum`, which acted, or a shadow",
         ),
         teacher(1, "other", "Other teacher", "curriculum id of the other one, a shadow"),
-        Column::count("n_watched", "seeds in which both weighed the pool", |row: &AgreementSummary| {
+        Column::count("n_watched", "seeds in which both ordered the pool", |row: &AgreementSummary| {
             row.n_seeds as u64
         })
         .shown("Seeds", |row| row.n_seeds.to_string()),
     ];
-    let correlation = |row: &AgreementSummary, third: usize| row.correlation[third];
-    columns.extend(by_third(
-        "Spearman's rank correlation of their weights over the pool, mean over the evaluations of this third of a run, then \
-         over seeds; empty where one of them made no difference between goals",
-        (CORRELATION, CORRELATION_TITLES),
-        correlation,
-    ));
-    let overlap = |row: &AgreementSummary, third: usize| row.overlap[third];
-    columns.extend(by_third(
-        "share of the tenth of the pool that one of them weighs most which the other one weighs most, too; likewise",
-        (OVERLAP, OVERLAP_TITLES),
-        overlap,
-    ));
+    for (third, title) in CORRELATION.into_iter().enumerate() {
+        let meaning = "Spearman's rank correlation of their orders of the pool, mean over the evaluations of this third of a run, \
+                       then over seeds; empty where one of them made no difference between goals";
+        let of = move |row: &AgreementSummary| row.correlation[third];
+        columns.extend(columns::mean_std(format!("correlation_{}", third + 1), title, meaning, of));
+    }
+    for (third, title) in OVERLAP.into_iter().enumerate() {
+        let meaning = "share of the tenth of the pool that one of them wants most which the other one wants most, too; likewise";
+        let of = move |row: &AgreementSummary| row.overlap[third];
+        columns.extend(columns::mean_std(format!("overlap_{}", third + 1), title, meaning, of));
+    }
     Sheet::of(caption(), &rows, &columns)
 }
 
@@ -101,39 +92,18 @@ fn draw(analysis: &Analysis<'_>) -> Result<Vec<Drawing>, ReportError> {
     Ok(drawings)
 }
 
-/// Mean and standard deviation of each third.
-fn by_third(
-    meaning: &'static str,
-    (names, titles): ([(&'static str, &'static str); 3], [&'static str; 3]),
-    of: fn(&AgreementSummary, usize) -> MeanStd,
-) -> Vec<Column<'static, AgreementSummary>> {
-    let third = |(third, ((name, std), title)): (usize, ((&'static str, &'static str), &'static str))| {
-        let mean = Column::real(name, meaning, move |row: &AgreementSummary| of(row, third).0);
-        let mean = mean.shown(title, move |row| {
-            let (mean, std) = of(row, third);
-            with_spread(mean, std)
-        });
-        let std = Column::real(
-            std,
-            "its standard deviation over seeds; empty for fewer than two",
-            move |row: &AgreementSummary| of(row, third).1,
-        );
-        [mean, std]
-    };
-    names.into_iter().zip(titles).enumerate().flat_map(third).collect()
-}
-
 fn caption() -> String {
     format!(
         "How far teachers agree that saw the same student at the same moments: the one that acted, and those that only \
-         watched. Correlation: Spearman's rank correlation of their weights over the goals of the pool at an evaluation, \
-         1.00 where they put all goals in the same order, 0.00 where one order says nothing of the other, below that where \
-         one prefers what the other avoids. Overlap: share of the {:.0} % of the goals that one weighs most which the \
-         other one weighs most, too; {TOP:.2} by chance, as for teachers that make no difference between goals. Means over \
-         the evaluations of each third of a run, the untrained student's left out, then over seeds ± standard deviation; \
-         {UNDEFINED} where one of the two made no difference between goals. Pairs are left out in which one weighs no goals, \
-         or all alike throughout. Weights are not all alike in kind: those of a teacher that takes turns are shares of \
-         turns, and many goals may have a weight of 0.",
+         watched. A teacher orders the goals of the pool by its scores where the student was measured and the teacher had \
+         scored all of them, and by its weights elsewhere. Correlation: Spearman's rank correlation of two such orders \
+         at an evaluation, 1.00 where they are the same, 0.00 where one says nothing of the other, below that where one \
+         teacher prefers what the other avoids. Overlap: share of the {:.0} % of the goals that one wants most which the \
+         other one wants most, too; {TOP:.2} by chance, as for teachers that make no difference between goals. Means over \
+         the evaluations of each third of a run's budget, the untrained student's left out, then over the seeds whose run has \
+         ended (where none has, over all) ± standard deviation; {UNDEFINED} where one of the two made no difference between \
+         goals. Pairs are left out in which one orders no goals, or wants all alike throughout. Weights are not all alike in \
+         kind: those of a teacher that takes turns are shares of turns, and many goals may have a weight of 0.",
         TOP * 100.0
     )
 }
@@ -168,14 +138,14 @@ fn lines(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
         ),
         Column::real(
             "correlation",
-            "Spearman's rank correlation of its weights over the pool with those of the teacher that acted; empty where \
-             one of them has none, or makes no difference between goals",
+            "Spearman's rank correlation of its order of the pool, by scores or by weights, with that of the teacher that \
+             acted; empty where one of them has none, or makes no difference between goals",
             |row: &Row<'_>| row.2.correlation,
         ),
         Column::real(
             "overlap",
-            "share of the tenth of the pool that it weighs most which the teacher that acted weighs most, too; empty \
-             where one of them has no weights",
+            "share of the tenth of the pool that it wants most which the teacher that acted wants most, too; empty \
+             where one of them has no order",
             |row: &Row<'_>| row.2.overlap,
         ),
         Column::text("silent", "`yes` if it had failed before, `no` otherwise", |row: &Row<'_>| {

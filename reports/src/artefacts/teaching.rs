@@ -23,7 +23,11 @@ fn columns() -> [Column<'static, PickSummary>; 9] {
         columns::environment(|row| &row.key),
         columns::curriculum(|row| &row.key),
         columns::variant(|row| &row.key),
-        columns::seeds(|row| row.n_seeds),
+        Column::count(
+            "n_counted",
+            "seeds that the following are of: those whose run has ended, or all where none has",
+            |row: &PickSummary| row.n_seeds as u64,
+        ),
         number(
             PICKED_GOALS,
             "distinct goals of the pool picked since the evaluation before, mean over evaluations and seeds; empty, as are \
@@ -61,7 +65,7 @@ fn caption(analysis: &Analysis<'_>) -> String {
     let control = control.map_or_else(String::new, |id| format!(", as {}", analysis.catalogue().title(id)));
     format!(
         "What teachers picked between one evaluation and the next: means over evaluations, the untrained student's left \
-         out, then over seeds; {UNDEFINED} where a teacher records no such number, or it was never defined. Goals picked: \
+         out, then over the seeds whose run has ended (where none has, over all); {UNDEFINED} where a teacher records no such number, or it was never defined. Goals picked: \
          distinct goals of the pool in the training episodes, at most as many as there were episodes; a teacher that \
          goes through its pool comes near that, one that is stuck on a few goals stays near 1. Effective picks: \
          exponential of the entropy of the goals' shares of those episodes, from 1 to the goals picked, which it is where \

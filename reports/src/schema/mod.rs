@@ -188,11 +188,11 @@ pub struct Frontier {
 #[serde(deny_unknown_fields)]
 pub struct Beliefs {
     /// How likely the teacher thought success at each goal was, `[N]`, in [0, 1] and single precision; `null`
-    /// for a teacher without such an estimate.
-    pub success: Option<Vec<f32>>,
+    /// for a goal of which it had no estimate, and for a teacher that had none of any.
+    pub success: Option<Vec<Option<f32>>>,
     /// How it scored each goal, `[N]`, in its own unit and in single precision: the larger, the more it
-    /// wanted the goal; `null` for a teacher that scores none.
-    pub scores: Option<Vec<f32>>,
+    /// wanted the goal; `null` for a goal without a score, and for a teacher that scored none.
+    pub scores: Option<Vec<Option<f32>>>,
 }
 
 impl Frontier {
@@ -289,6 +289,13 @@ pub struct Manifest {
     /// the file of a run that never was.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub earlier_budgets: Vec<u64>,
+}
+
+impl Manifest {
+    /// Training steps of the whole run; `None` of a config that does not say, as of made-up results.
+    pub fn budget(&self) -> Option<u64> {
+        self.config.pointer("/budget/steps").and_then(Value::as_u64)
+    }
 }
 
 /// How a run ended: `outcome.json`, written last.

@@ -27,7 +27,7 @@ impl Limits {
         let ids = |list: &Vec<Value>| list.iter().filter_map(Value::as_str).map(str::to_owned).collect();
         Self {
             shadows: shadows.map(ids),
-            budget: number("/budget/steps"),
+            budget: manifest.budget(),
             episodes: number("/evaluation/episodes"),
             goals: number("/pool/size"),
             frontier_episodes: number("/frontier/episodes"),

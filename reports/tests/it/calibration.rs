@@ -20,7 +20,8 @@ fn measure(eval_index: u64, successes: [u64; 4], beliefs: Option<Beliefs>) -> Fr
 }
 
 fn believed(success: Option<[f32; 4]>, scores: Option<[f32; 4]>) -> Option<Beliefs> {
-    Some(Beliefs { success: success.map(Vec::from), scores: scores.map(Vec::from) })
+    let every = |values: [f32; 4]| values.map(Some).to_vec();
+    Some(Beliefs { success: success.map(every), scores: scores.map(every) })
 }
 
 /// Two seeds of NOVA, which estimates and scores; the first is watched by WREN, which only scores.

@@ -205,10 +205,11 @@ fn heat(curves: &[&Curve]) -> String {
         key: curve.key.clone(),
         runs: (1, 7),
         reached: 600_000,
+        budget: 1_000_000,
         phases: [phase(0), phase(7), empty()],
     };
     let maps = curves.iter().map(map).collect();
-    figure::heat(&MazeHeat { maze: &maze, end: 1_000_000, maps }).unwrap()
+    figure::heat(&MazeHeat { maze: &maze, maps }).unwrap()
 }
 
 fn parse(svg: &str) -> usvg::Tree {

@@ -2,8 +2,10 @@
 
 use std::fs;
 
-use super::support::{key, line, options, seal, write_configured, write_run};
+use super::support::{fail, key, line, options, seal, write_configured, write_run};
+use reports::ReportOptions;
 use reports::analysis::catalogue::MazeInfo;
+use reports::analysis::options::Failures;
 use reports::schema::{Beliefs, Frontier};
 use reports::store::layout::{self, FRONTIER};
 use reports::store::{self, Store};
@@ -30,8 +32,9 @@ fn each_damaged_line_is_named() {
     let config = json!({ "pool": { "size": 4 }, "frontier": { "every": 1, "episodes": 5 } });
     let folder = write_configured(results.path(), &key("E", "nova", "default", 0), &[0.0; 8], config);
     let sound = measure(1, [0, 1, 2, 3], Some([0.25; 4]));
+    let every = |values: Vec<f32>| values.into_iter().map(Some).collect();
     let believed = |success: Option<Vec<f32>>, scores: Option<Vec<f32>>| Frontier {
-        beliefs: Some(Beliefs { success, scores }),
+        beliefs: Some(Beliefs { success: success.map(every), scores: scores.map(every) }),
         ..measure(2, [0; 4], None)
     };
     let lines = [
@@ -105,6 +108,15 @@ fn close(found: &[Option<f64>], expected: &[Option<f64>]) {
     }
 }
 
+const SIGHT_COLUMNS: &str = "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_auc,auc,auc_std,auc_1,auc_1_std,\
+     auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std,n_score_auc,score_auc,score_auc_std,score_auc_1,\
+     score_auc_1_std,score_auc_2,score_auc_2_std,score_auc_3,score_auc_3_std,score_auc_change,\
+     score_auc_change_std,border,border_proposed,n_border_auc,border_auc,border_auc_std,border_auc_1,\
+     border_auc_1_std,border_auc_2,border_auc_2_std,border_auc_3,border_auc_3_std,border_auc_change,\
+     border_auc_change_std,n_border_score_auc,border_score_auc,border_score_auc_std,border_score_auc_1,\
+     border_score_auc_1_std,border_score_auc_2,border_score_auc_2_std,border_score_auc_3,\
+     border_score_auc_3_std,border_score_auc_change,border_score_auc_change_std";
+
 /// Two seeds of a teacher with weights, one of one without, and a run that was never measured.
 #[test]
 fn tables_data_and_maps_by_hand() {
@@ -139,32 +151,28 @@ fn tables_data_and_maps_by_hand() {
         let columns = row.unwrap_or_default().split(',').skip(3);
         columns.filter(|text| *text != curriculum).map(|number| number.parse().ok()).collect()
     };
-    assert_eq!(
-        read("frontier.csv").lines().next(),
-        Some(
-            "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_auc,auc,auc_std,auc_1,auc_1_std,\
-             auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std,border,border_proposed,n_border_auc,border_auc,\
-             border_auc_std,border_auc_1,border_auc_1_std,border_auc_2,border_auc_2_std,border_auc_3,border_auc_3_std,\
-             border_auc_change,border_auc_change_std"
-        )
-    );
+    assert_eq!(read("frontier.csv").lines().next(), Some(SIGHT_COLUMNS));
     // Seed 0: (1 + (0 + 0 + 1/2) / 3) / 2. Seed 1: in both measures one goal of four; in the second it is the
     // first goal, which lies above two of three: (1 + 2/3) / 2.
     let (zero, one) = (7.0 / 12.0, 5.0 / 6.0);
     let std = (one - zero) / f64::sqrt(2.0);
+    let unknown = [&[Some(0.0)][..], &[None; 10]].concat();
     close(
         &numbers("frontier.csv", "nova"),
         &[
             &[Some(2.0), Some(0.25), None, Some(2.0), Some((zero + one) / 2.0), Some(std)][..],
             // The first measure lies in the second third of the run, the other one in the last.
             &[None, None, Some(1.0), Some(0.0), Some(5.0 / 12.0), Some(0.5 / f64::sqrt(2.0)), None, None],
+            // It has scored nothing.
+            &unknown,
             // All four goals together have 7, 11, 7 and 2 of 20: all of them intermediate but for the last.
-            &[Some(0.75), None, Some(0.0)],
-            &[None; 10],
+            &[Some(0.75), None],
+            &unknown,
+            &unknown,
         ]
         .concat(),
     );
-    let none = [&[Some(0.0), None, Some(0.0)][..], &[None; 10]].concat();
+    let none = [&[Some(0.0), None][..], &unknown, &unknown].concat();
     let nothing = [&[Some(1.0)][..], &none, &none].concat();
     close(&numbers("frontier.csv", "moss"), &nothing);
     assert!(numbers("frontier.csv", "dull").is_empty());
@@ -178,7 +186,8 @@ fn tables_data_and_maps_by_hand() {
     let expected = [Some(1.0), Some(0.0), Some(0.0), None, Some(0.0), Some(0.0)];
     close(&numbers("coverage.csv", "moss"), &expected);
     assert!(
-        read("measures.csv").contains("\nFour,nova,default,0,2000,2,4,5,0.55,0.25,0.5,0.16666666666666666\n"),
+        read("measures.csv")
+            .contains("\nFour,nova,default,0,2000,2,4,5,0.55,0.25,0.5,0.16666666666666666,\n"),
         "{}",
         read("measures.csv")
     );
@@ -194,6 +203,44 @@ fn tables_data_and_maps_by_hand() {
     }
     let missing = "Four: DULL: no measure of the frontier";
     assert!(written.missing.iter().any(|text| text == missing), "{:?}", written.missing);
+}
+
+/// One seed has finished, one failed after its second evaluation, when it was at its best, and one goes on.
+#[test]
+fn runs_that_have_ended_count_and_a_failure_covers_nothing() {
+    let results = TempDir::new().unwrap();
+    let run = |seed: u64, rates: &[f64], measures: &[Frontier]| {
+        let folder = write_run(results.path(), &key("E", "nova", "default", seed), rates);
+        fs::write(folder.join(FRONTIER), measures.iter().map(line).collect::<String>()).unwrap();
+        seal(&folder);
+        folder
+    };
+    // The last measure: success 0.5, everything solved but one goal, one of them forgotten.
+    let finished = [measure(0, [0; 4], None), measure(1, [4, 5, 5, 3], None), measure(2, [5, 5, 0, 0], None)];
+    run(0, &[0.0, 0.5, 0.5], &finished);
+    // Its teacher saw the goal of intermediate success.
+    let best = measure(1, [5, 5, 5, 3], Some([0.1, 0.2, 0.3, 0.4]));
+    fail(&run(1, &[0.0, 0.5], &[measure(0, [0; 4], None), best]));
+    let ongoing = measure(1, [5; 4], Some([0.25; 4]));
+    let folder = run(2, &[0.0, 0.5], &[measure(0, [0; 4], None), ongoing]);
+    fs::remove_file(folder.join(layout::OUTCOME)).unwrap();
+    let read = |csv: &str, failures: Failures| -> Vec<Option<f64>> {
+        reports::write(results.path(), &ReportOptions { failures, ..options() }).unwrap();
+        let text = fs::read_to_string(layout::report_dir(results.path()).join(csv)).unwrap();
+        let row = text.lines().nth(1).unwrap().split(',').skip(3).map(|number| number.parse().ok());
+        row.collect()
+    };
+    // Solved: three of four in both. Forgotten: one of three, and all.
+    let coverage = read("coverage.csv", Failures::Zero);
+    close(&coverage[..4], &[Some(2.0), Some(0.25), Some(0.75), Some(f64::midpoint(1.0 / 3.0, 1.0))]);
+    close(&coverage[4..], &[Some(0.0); 2]);
+    let coverage = read("coverage.csv", Failures::Apart);
+    close(&coverage[..4], &[Some(1.0), Some(0.5), Some(0.75), Some(1.0 / 3.0)]);
+    // What the failed run's teacher saw before that counts.
+    let sight = read("frontier.csv", Failures::Zero);
+    assert_eq!((sight[1], sight[4], sight[5]), (Some(2.0), Some(1.0), Some(1.0)), "{sight:?}");
+    let sight = read("frontier.csv", Failures::Apart);
+    assert_eq!((sight[1], sight[4], sight[5]), (Some(1.0), Some(0.0), None), "{sight:?}");
 }
 
 #[test]

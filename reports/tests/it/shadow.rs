@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::support::{key, line, options, seal, write_configured, write_run};
+use super::support::{fail, key, line, options, seal, write_configured, write_run};
 use reports::analysis::catalogue::MazeInfo;
 use reports::schema::{Beliefs, Frontier, ShadowNote, Shadowing, Teaching};
 use reports::store::layout::{self, FRONTIER, SHADOW, TEACHING};
@@ -44,7 +44,8 @@ fn each_damaged_line_is_named() {
         line.shadows[0] = ShadowNote { weights: None, picks: vec![(1, 2)], ..line.shadows[0].clone() };
         failed(&mut line.shadows[0]);
     });
-    let believed = |scores: &[f32]| Beliefs { success: None, scores: Some(scores.to_vec()) };
+    let believed =
+        |scores: &[f32]| Beliefs { success: None, scores: Some(scores.iter().copied().map(Some).collect()) };
     let lines = [
         shadowing(1, even),
         with(two(), |line| line.shadows.truncate(1)),
@@ -208,6 +209,58 @@ fn tables_data_and_maps_by_hand() {
     for name in ["agreement.csv", "shadows.csv, shadows.parquet"] {
         assert!(dictionary.contains(&format!("## {name}")), "{name}");
     }
+}
+
+/// Its budget is 9,000 steps; it failed at 3,000. A teacher of its user's own watched.
+#[test]
+fn a_run_that_fails_early_was_in_its_first_third_alone_and_its_shadow_has_the_users_title() {
+    let results = TempDir::new().unwrap();
+    let config = json!({
+        "budget": { "steps": 9_000 },
+        "curriculum": { "process": { "title": "Mine" } },
+    });
+    write_configured(results.path(), &key("Four", "wren", "default", 0), &[0.5; 10], config.clone());
+    let folder =
+        write_configured(results.path(), &key("Four", "nova", "default", 0), &[0.0, 0.5, 0.5, 0.5], config);
+    let weights = [0.4, 0.3, 0.2, 0.1];
+    let watched = |eval_index: u64| Shadowing {
+        eval_index,
+        step: 1_000 * eval_index,
+        episodes: 0,
+        shadows: vec![note("process", Some(weights), &[], 0)],
+    };
+    let teaching = |eval_index: u64| Teaching {
+        eval_index,
+        step: 1_000 * eval_index,
+        weights: Some(weights.to_vec()),
+        ..Teaching::default()
+    };
+    let measure = |eval_index: u64| Frontier {
+        eval_index,
+        step: 1_000 * eval_index,
+        episodes: 5,
+        successes: vec![2, 0, 0, 5],
+        weights: Some(weights.to_vec()),
+        ..Frontier::default()
+    };
+    fs::write(folder.join(SHADOW), (0..4).map(|index| line(&watched(index))).collect::<String>()).unwrap();
+    fs::write(folder.join(TEACHING), (0..4).map(|index| line(&teaching(index))).collect::<String>()).unwrap();
+    fs::write(folder.join(FRONTIER), (0..4).map(|index| line(&measure(index))).collect::<String>()).unwrap();
+    fail(&folder);
+    let written = reports::write(results.path(), &options()).unwrap();
+    let problems: Vec<String> = written.problems.iter().map(ToString::to_string).collect();
+    assert!(problems.iter().all(|problem| problem.contains("NaN")), "{problems:?}");
+    let report = layout::report_dir(results.path());
+    let read = |name: &str| fs::read_to_string(report.join(name)).unwrap();
+    let agreement = read("agreement.csv");
+    let row = agreement.lines().nth(1).unwrap();
+    assert_eq!(row, "Four,nova,default,nova,process,1,1.0,,,,,,1.0,,,,,");
+    let sight = read("frontier.csv");
+    let row = sight.lines().find(|row| row.starts_with("Four,nova,default,process,1,")).unwrap();
+    // AUC: all measures, then each third, all without a standard deviation.
+    assert!(row.starts_with("Four,nova,default,process,1,0.25,,1,1.0,,1.0,,,,,,,,"), "{row}");
+    let page = read("index.html");
+    assert!(page.contains("Mine (watched)") && !page.contains("process (watched)"), "its title");
 }
 
 #[test]

@@ -98,14 +98,17 @@ fn what_teachers_picked_is_a_table_where_they_tell() {
     assert!(!table.exists(), "no teacher tells anything");
     write("moss", 0, [900, 10, 20]);
     write("moss", 1, [900, 40, 50]);
+    // One that has not ended counts for nothing.
+    write("moss", 2, [900, 900, 900]);
+    fs::remove_file(layout::run_dir(path, &key("M", "moss", "default", 2)).join(layout::OUTCOME)).unwrap();
     let written = reports::write(path, &options()).unwrap();
     // The one of DULL; no environment is known to be a maze.
     let silent =
-        "which goals of the pool were picked: 1 of 3 runs without a record of it (older than the field)";
+        "which goals of the pool were picked: 1 of 4 runs without a record of it (older than the field)";
     assert!(written.missing.iter().any(|text| text == silent), "{:?}", written.missing);
     assert!(table.is_file());
     let csv = fs::read_to_string(layout::report_dir(path).join("teaching.csv")).unwrap();
-    let expected = "environment,curriculum,variant,n_seeds,picked_goals,effective_picks,effective_goals,pick_rank_mean,\
+    let expected = "environment,curriculum,variant,n_counted,picked_goals,effective_picks,effective_goals,pick_rank_mean,\
                     score_success_correlation\nM,moss,default,2,30.0,,,,\nM,dull,default,1,,,,,\n";
     // Over evaluations 1 and 2 of two seeds: (15 + 45) / 2.
     assert_eq!(csv, expected);

@@ -52,7 +52,7 @@ pub fn contract(entry: &Entry) {
 ///   it;
 /// - its weights are a distribution over the pool, and the numbers `entropy` and `effective_goals`, if it
 ///   records them, are those of its weights;
-/// - it judges all goals of the pool or none, with finite scores and estimates of success in [0, 1];
+/// - what it judges are goals of the pool, with finite scores and estimates of success in [0, 1];
 /// - its numbers keep their names, which are in snake case, and their order; no two share a name, and none
 ///   has that of a number that goalbench records of every teacher;
 /// - the probe rollouts that it asks for are of goals of the task, at least one episode each;
@@ -76,7 +76,7 @@ pub fn contract_with(entry: &Entry, config: &str) {
     teaching::leaves_the_environment_alone(subject);
     teaching::asks_for_rollouts_that_can_be_played(subject);
     teaching::tells_weights_that_are_a_distribution(subject);
-    teaching::believes_something_of_every_goal_or_of_none(subject);
+    teaching::believes_something_of_goals_or_has_no_list(subject);
     teaching::tells_the_same_numbers_in_the_same_order(subject);
     // After a single episode an evaluation may be overdue; after an odd number a set's turns are under way.
     saving::continues_identically(subject, &[1]);

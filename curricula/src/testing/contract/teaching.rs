@@ -107,16 +107,18 @@ pub(super) fn tells_weights_that_are_a_distribution(subject: Subject<'_>) {
     }
 }
 
-pub(super) fn believes_something_of_every_goal_or_of_none(subject: Subject<'_>) {
+pub(super) fn believes_something_of_goals_or_has_no_list(subject: Subject<'_>) {
     let mut class = subject.class(GOALS);
     for _ in 0..6 {
         let Judgement { success, scores } = class.teacher.judge(&class.student);
         for beliefs in [&success, &scores].into_iter().flatten() {
             assert!(subject.entry.uses_pool, "{subject}: judges a pool that it does not use");
-            assert_eq!(beliefs.len(), GOALS, "{subject}: one belief for each goal");
-            assert!(beliefs.iter().all(|belief| belief.is_finite()), "{subject}: {beliefs:?}");
+            assert_eq!(beliefs.len(), GOALS, "{subject}: an entry for each goal");
+            let mut told = beliefs.iter().flatten().peekable();
+            assert!(told.peek().is_some(), "{subject}: a list that tells of no goal is none");
+            assert!(told.all(|belief| belief.is_finite()), "{subject}: {beliefs:?}");
         }
-        let mut estimates = success.iter().flatten();
+        let mut estimates = success.iter().flatten().flatten();
         assert!(estimates.all(|p| (0.0..=1.0).contains(p)), "{subject}: {success:?}");
         proposals(&mut class, 1);
     }

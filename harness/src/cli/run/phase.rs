@@ -98,10 +98,13 @@ impl<'a> Command<'a> {
             }
             Executor::Slurm => {
                 let submitted = sweep.submit(&self.request(&plan.name, &lanes))?;
-                copy::save(protocol, results).inspect_err(|_| {
-                    // The job is in the queue all the same.
-                    submitted.iter().for_each(|submitted| drop(tell_submitted(submitted, folder)));
-                })?;
+                if let Err(error) = copy::save(protocol, results) {
+                    if let Some(submitted) = &submitted {
+                        // The job is in the queue all the same.
+                        let _ = tell_submitted(submitted, folder);
+                    }
+                    return Err(error);
+                }
                 Ok(submitted.map_or_else(|| Done::Before(sweep.kept()), Done::Submitted))
             }
         }

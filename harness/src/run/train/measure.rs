@@ -57,7 +57,7 @@ impl Trainer {
         }
         if !self.shadows.is_empty() {
             let student = is_measured.then_some(&*self.agent as &dyn Critic);
-            observer.shadowed(&self.shadows.note(self.evaluations, self.step, student))?;
+            observer.shadowed(&self.shadows.note(self.evaluations, self.step, student)?)?;
         }
         self.evaluations += 1;
         Ok(())

@@ -180,7 +180,7 @@ impl Trainer {
             teacher: self.curriculum.save()?,
         };
         let probed = ProbedState { training, probing: self.probing.state().clone() };
-        Ok(TrainerState { probed, shadows: self.shadows.state(self.step) })
+        Ok(TrainerState { probed, shadows: self.shadows.state(self.step)? })
     }
 
     /// Trains to the end of the budget, or until the observer's checkpointer wishes to stop. The untrained
@@ -258,7 +258,7 @@ impl Trainer {
             self.curriculum.observe(&episode)?;
             observer.spent(Stage::Teaching, laps.lap());
             if !self.shadows.is_empty() {
-                self.shadows.observe(self.step, &episode);
+                self.shadows.observe(self.step, &episode)?;
                 observer.spent(Stage::Shadowing, laps.lap());
             }
             self.teaching.goals.push(episode.goal.iter().map(|&x| x as f32).collect());
@@ -309,9 +309,9 @@ impl Trainer {
         if !self.shadows.is_empty() {
             let (step, plays) = (self.step, self.plays_rollouts);
             if has_learned {
-                self.shadows.learn(step, self.agent.as_mut(), self.env.as_ref());
+                self.shadows.learn(step, self.agent.as_mut(), self.env.as_ref())?;
             }
-            self.shadows.probe(step, self.agent.as_mut(), self.env.as_mut(), plays);
+            self.shadows.probe(step, self.agent.as_mut(), self.env.as_mut(), plays)?;
             observer.spent(Stage::Shadowing, laps.lap());
         }
         if let (Some(before), Some(after)) = (before.sampling, self.agent.sampling_time()) {
@@ -350,7 +350,7 @@ impl Trainer {
         })?;
         observer.spent(Stage::Teaching, laps.lap());
         if !self.shadows.is_empty() {
-            self.shadows.propose(self.step, self.agent.as_mut(), &start, env);
+            self.shadows.propose(self.step, self.agent.as_mut(), &start, env)?;
             observer.spent(Stage::Shadowing, laps.lap());
         }
         picks::note(&mut self.teaching, &mut self.ranks, &proposal);

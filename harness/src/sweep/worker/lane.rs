@@ -9,8 +9,8 @@ use reports::schema::{Manifest, Outcome, RunKey};
 use reports::store::RunFolder;
 use reports::store::layout::Lives;
 
+use super::Keeping;
 use super::observers::LaneObserver;
-use super::{Keeping, is_libtorch};
 use crate::Registry;
 use crate::config::RunConfig;
 use crate::error::{HarnessError, chain};
@@ -120,7 +120,7 @@ impl WorkerLane {
                 return Ok(ExitCode::Stopped);
             }
             Err(RunError::Unrecorded(source)) => return Err(unwritable(&folder)(source)),
-            Err(error) if is_libtorch(&error) || matches!(error, RunError::Unsaved(_)) => {
+            Err(error) if error.is_libtorch() || matches!(error, RunError::Unsaved(_)) => {
                 return Err(machine(&manifest.run, error));
             }
             Err(error) => Outcome::Failed { step, reason: chain(&error) },
@@ -164,7 +164,7 @@ fn begin(
     let run = &manifest.run;
     let cannot = |action| {
         move |error: RunError| match error {
-            error if is_libtorch(&error) => machine(run, error),
+            error if error.is_libtorch() => machine(run, error),
             error => HarnessError::impossible(run, action)(error),
         }
     };

@@ -13,8 +13,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use agents::AgentError;
-use curricula::CurriculumError;
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::event::{Event, Told};
@@ -22,7 +20,6 @@ use super::exit::ExitCode;
 use crate::Registry;
 use crate::error::{HarnessError, chain};
 use crate::run::cohort::{self, Means};
-use crate::run::error::RunError;
 use crate::run::folder;
 use lane::{Opened, WorkerLane};
 
@@ -161,16 +158,6 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, HarnessError> {
         .start_handler(|_| agents::prepare_thread())
         .build()
         .map_err(HarnessError::system("start the threads of a worker"))
-}
-
-/// Whether libtorch failed, in the student or in a teacher. Shapes were checked before, so the machine is to
-/// blame: there is no memory, or a device went away.
-pub(super) fn is_libtorch(error: &RunError) -> bool {
-    matches!(
-        error,
-        RunError::Student(AgentError::Torch(_))
-            | RunError::Teacher(CurriculumError::Student(AgentError::Torch(_)))
-    )
 }
 
 /// A flag that SIGTERM and SIGINT set.

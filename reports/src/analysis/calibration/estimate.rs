@@ -1,11 +1,9 @@
 //! Whether a teacher's estimates of success hold.
 
-use std::sync::Arc;
-
-use super::{BINS, ByThird, ByThirdMeans, Judged, of_teacher, teachers};
-use crate::analysis::catalogue::MethodInfo;
-use crate::analysis::group::{Group, GroupKey};
-use crate::analysis::shadow::agreement::MeanStd;
+use super::{BINS, Judged, of_teacher};
+use crate::analysis::group::Group;
+use crate::analysis::parts::{ByThird, ByThirdMeans};
+use crate::analysis::teachers::GroupTeacher;
 use crate::analysis::whole::Analysis;
 use crate::stats::{self, Ddof, ReliabilityBin};
 
@@ -65,11 +63,9 @@ pub struct SeedBin {
 /// What tables and figures say of one teacher's estimates in one group of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Which group.
-    pub key: GroupKey,
-    /// The teacher: the one that acted in these runs, or one that watched.
-    pub teacher: Arc<MethodInfo>,
-    /// Runs with an estimate after training had begun.
+    /// Which teacher, and in which group.
+    pub teacher: GroupTeacher,
+    /// Runs that count ([`Group::settled`]) with an estimate after training had begun.
     pub n_seeds: usize,
     /// Mean estimate and mean measured success, over the measures of a run, then over runs.
     pub means: (f64, f64),
@@ -84,21 +80,21 @@ pub struct Calibration {
 impl Calibration {
     /// Of every teacher of a group that has estimates.
     pub fn of(group: &Group<'_>, analysis: &Analysis<'_>) -> Vec<Self> {
+        let group = group.settled();
         let of_place = |(place, teacher)| {
             let judged = |run| of_teacher(run, &analysis.frontier, &analysis.shadow, place);
             let runs = group.runs.iter().filter_map(|run| RunCalibration::of(&judged(run)));
-            Self::over(&group.key, teacher, &runs.collect::<Vec<_>>())
+            Self::over(teacher, &runs.collect::<Vec<_>>())
         };
-        teachers(group, analysis).into_iter().enumerate().filter_map(of_place).collect()
+        GroupTeacher::all(&group, analysis).into_iter().enumerate().filter_map(of_place).collect()
     }
 
-    fn over(key: &GroupKey, teacher: Arc<MethodInfo>, runs: &[RunCalibration]) -> Option<Self> {
+    fn over(teacher: GroupTeacher, runs: &[RunCalibration]) -> Option<Self> {
         let means: Vec<(f64, f64)> = runs.iter().filter_map(RunCalibration::means).collect();
         let (estimates, successes): (Vec<f64>, Vec<f64>) = means.into_iter().unzip();
         let errors: Vec<ByThird> = runs.iter().map(RunCalibration::error).collect();
         let correlations: Vec<ByThird> = runs.iter().map(|run| run.correlation).collect();
         Some(Self {
-            key: key.clone(),
             teacher,
             n_seeds: runs.len(),
             means: (stats::mean(&estimates)?, stats::mean(&successes)?),
@@ -112,11 +108,6 @@ impl Calibration {
             }),
         })
     }
-
-    /// Whether the teacher watched while another one acted.
-    pub fn is_shadow(&self) -> bool {
-        self.teacher.id != self.key.curriculum.id
-    }
 }
 
 fn seed_bin(bins: &[ReliabilityBin]) -> SeedBin {
@@ -128,22 +119,20 @@ fn seed_bin(bins: &[ReliabilityBin]) -> SeedBin {
     }
 }
 
-/// A mean and its standard deviation at one place of a table.
-pub fn part_of(means: &ByThirdMeans, part: usize) -> MeanStd {
-    if part == 0 { means.all } else { means.thirds[part - 1] }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::analysis::catalogue::Catalogue;
+    use crate::analysis::group::GroupKey;
 
     fn judged(eval_index: u64, third: usize, estimates: &[f64], success: &[f64]) -> Judged {
         Judged {
             eval_index,
             third,
             success: success.to_vec(),
-            estimates: Some(estimates.to_vec()),
+            estimates: Some(estimates.iter().copied().map(Some).collect()),
             ..Judged::default()
         }
     }
@@ -168,12 +157,17 @@ mod tests {
         assert_eq!(error.thirds[1], None);
         assert_eq!(first.correlation.all, Some(1.0));
         assert_eq!(RunCalibration::of(&measures[..1]), None);
+        // Goals without an estimate count for nothing.
+        let mut partly = judged(1, 0, &[0.25, 0.75, 0.0], &[0.0, 1.0, 1.0]);
+        partly.estimates.as_mut().expect("estimates")[2] = None;
+        close(RunCalibration::of(std::slice::from_ref(&partly)).expect("estimates").error().all, 0.25);
+        assert_eq!((partly.rank_correlation(), partly.mean_estimate()), (Some(1.0), Some(0.5)));
         let second = RunCalibration::of(&[judged(1, 1, &[0.25, 0.75], &[0.5, 0.5])]).expect("estimates");
         assert_eq!(second.correlation.all, None, "all goals are alike");
 
         let key = GroupKey::new(&Catalogue::default(), "E", "nova", "default");
-        let teacher = Arc::clone(&key.curriculum);
-        let both = Calibration::over(&key, teacher, &[first, second]).expect("two runs");
+        let teacher = GroupTeacher { method: Arc::clone(&key.curriculum), key };
+        let both = Calibration::over(teacher, &[first, second]).expect("two runs");
         assert_eq!((both.n_seeds, both.error.n_seeds, both.correlation.n_seeds), (2, 2, 1));
         close(both.error.all.0, f64::midpoint(0.275, 0.25));
         close(Some(both.means.0), f64::midpoint(0.525, 0.5));
@@ -184,6 +178,6 @@ mod tests {
         close(low.bin.outcome(), 0.5 / 3.0);
         close(low.std, 0.5 / f64::sqrt(2.0));
         assert_eq!((both.bins[3][8].n_seeds, both.bins[3][8].std), (1, None));
-        assert!(!both.is_shadow());
+        assert!(!both.teacher.is_shadow());
     }
 }

@@ -1,14 +1,14 @@
 //! Whether a teacher's scores follow the student's progress: the change of measured success.
 
-use std::sync::Arc;
-
-use super::{ByThird, ByThirdMeans, Judged, of_teacher, teachers};
-use crate::analysis::catalogue::MethodInfo;
-use crate::analysis::group::{Group, GroupKey};
+use super::{Judged, of_teacher};
+use crate::analysis::group::Group;
+use crate::analysis::parts::{ByThird, ByThirdMeans};
+use crate::analysis::teachers::{GroupTeacher, known};
 use crate::analysis::whole::Analysis;
 use crate::stats;
 
-/// Rank correlations of the scores at a measure with the absolute change of success.
+/// Rank correlations of the scores at a measure with the absolute change of success, over the goals that have
+/// a score.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScoreAndChange {
     /// The third of the run that the measure belongs to.
@@ -31,10 +31,14 @@ impl ScoreAndChange {
             let before = index.checked_sub(1).map(|before| change(&measures[before], judged));
             let after = measures.get(index + 1).map(|after| change(judged, after));
             let moved = |change: &Vec<f64>| change.iter().filter(|&&change| change > 0.0).count() as f64;
+            let correlation = |change: &Vec<f64>| {
+                let (scores, change) = known(scores, change);
+                stats::spearman(&scores, &change)
+            };
             Some(Self {
                 third: judged.third,
-                since: before.as_ref().and_then(|change| stats::spearman(scores, change)),
-                until: after.and_then(|change| stats::spearman(scores, &change)),
+                since: before.as_ref().and_then(correlation),
+                until: after.as_ref().and_then(correlation),
                 changed: before.map(|change| moved(&change) / change.len() as f64),
             })
         };
@@ -50,11 +54,9 @@ fn change(then: &Judged, now: &Judged) -> Vec<f64> {
 /// What the table says of one teacher in one group of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgressSummary {
-    /// Which group.
-    pub key: GroupKey,
-    /// The teacher: the one that acted in these runs, or one that watched.
-    pub teacher: Arc<MethodInfo>,
-    /// Runs with scores after training had begun.
+    /// Which teacher, and in which group.
+    pub teacher: GroupTeacher,
+    /// Runs that count ([`Group::settled`]) with scores after training had begun.
     pub n_seeds: usize,
     /// [`ScoreAndChange::changed`], mean over measures, then over runs.
     pub changed: Option<f64>,
@@ -67,6 +69,7 @@ pub struct ProgressSummary {
 impl ProgressSummary {
     /// Of every teacher of a group that scores goals.
     pub fn of(group: &Group<'_>, analysis: &Analysis<'_>) -> Vec<Self> {
+        let group = group.settled();
         let of_place = |(place, teacher)| {
             let judged = |run| of_teacher(run, &analysis.frontier, &analysis.shadow, place);
             let runs = group.runs.iter().map(|run| scored(&judged(run)));
@@ -79,7 +82,6 @@ impl ProgressSummary {
                 runs.iter().map(values).collect()
             };
             (!runs.is_empty()).then(|| Self {
-                key: group.key.clone(),
                 teacher,
                 n_seeds: runs.len(),
                 changed: ByThirdMeans::of(&over(|at| at.changed)).all.0,
@@ -87,12 +89,7 @@ impl ProgressSummary {
                 until: ByThirdMeans::of(&over(|at| at.until)),
             })
         };
-        teachers(group, analysis).into_iter().enumerate().filter_map(of_place).collect()
-    }
-
-    /// Whether the teacher watched while another one acted.
-    pub fn is_shadow(&self) -> bool {
-        self.teacher.id != self.key.curriculum.id
+        GroupTeacher::all(&group, analysis).into_iter().enumerate().filter_map(of_place).collect()
     }
 }
 
@@ -112,7 +109,7 @@ mod tests {
             eval_index,
             third,
             success: success.to_vec(),
-            scores: scores.map(Vec::from),
+            scores: scores.map(|scores| scores.map(Some).to_vec()),
             ..Judged::default()
         };
         let measures = [
@@ -134,5 +131,10 @@ mod tests {
         let last = found[3].expect("scores");
         assert_eq!((last.since, last.until, last.changed), (None, None, Some(0.0)));
         assert_eq!(scored(&measures).len(), 3);
+        // Changes of 0.5, 0.1 and 0; of the first goal nothing is known: 1, 2 against 0.1, 0.
+        let mut partly = measures.clone();
+        partly[2].scores = Some(vec![None, Some(1.0), Some(2.0)]);
+        let found = ScoreAndChange::of(&partly)[2].expect("scores");
+        assert_eq!((found.since, found.changed), (Some(-1.0), Some(2.0 / 3.0)));
     }
 }

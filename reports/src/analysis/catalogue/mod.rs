@@ -69,10 +69,16 @@ impl Catalogue {
         known.map_or_else(|| Arc::new(MethodInfo::new(id, id, None)), Arc::clone)
     }
 
-    /// The method of a run: as [`Catalogue::method`] has it, unless the run's config gives its curriculum a
-    /// `title`. Two variants with titles of their own are two methods.
+    /// The method of a run: [`Catalogue::method_in`] of its curriculum.
     pub fn method_of(&self, manifest: &Manifest) -> Arc<MethodInfo> {
-        let method = self.method(&manifest.run.curriculum);
+        self.method_in(manifest, &manifest.run.curriculum)
+    }
+
+    /// The method of a curriculum id in a run, where it acts or watches: as [`Catalogue::method`] has it,
+    /// unless the run's config gives this curriculum a `title`. Two variants with titles of their own are two
+    /// methods.
+    pub fn method_in(&self, manifest: &Manifest, id: &str) -> Arc<MethodInfo> {
+        let method = self.method(id);
         let own = manifest.config.get("curriculum").and_then(|tables| tables.get(method.own_id()));
         match own.and_then(|table| table.get("title")).and_then(Value::as_str) {
             Some(title) if !title.is_empty() => Arc::new(method.titled(title)),

@@ -1,10 +1,12 @@
 //! Of the goals of a pool: what share a student ever solved, what share of these it forgot, and how it fares
 //! at the hardest.
 
+use crate::analysis::complete;
 use crate::analysis::frontier::FrontierFiles;
 use crate::analysis::group::{Group, GroupKey};
 use crate::schema::Frontier;
 use crate::stats;
+use crate::store::Run;
 
 /// A goal is solved by a measured success of at least this.
 pub const SOLVED: f64 = 0.8;
@@ -47,14 +49,27 @@ impl Coverage {
             worst_quarter: stats::cvar(&last, 0.25)?,
         })
     }
+
+    /// The same of a run that failed after these `measures` and counts 0 from then on: as if it had been
+    /// measured once more, without any success. What it had solved it has forgotten.
+    pub fn of_failed(measures: &[Frontier]) -> Self {
+        let solved = Self::of(measures).map_or(0.0, |before| before.solved);
+        Self {
+            success: 0.0,
+            solved,
+            forgotten: (solved > 0.0).then_some(1.0),
+            worst_tenth: 0.0,
+            worst_quarter: 0.0,
+        }
+    }
 }
 
-/// What the table says about one group of runs: means over those that were measured.
+/// What the table says about one group of runs: means over those of them that count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageSummary {
     /// Which group.
     pub key: GroupKey,
-    /// Its runs that were measured.
+    /// Its runs that count ([`Group::settled`]) and were measured, or failed before that.
     pub n_seeds: usize,
     /// Means of [`Coverage`]; that of forgotten goals is over the runs that solved some.
     pub mean: Coverage,
@@ -63,8 +78,15 @@ pub struct CoverageSummary {
 impl CoverageSummary {
     /// The numbers of a group; `None` if none of its runs was measured.
     pub fn of(group: &Group<'_>, files: &FrontierFiles) -> Option<Self> {
-        let runs: Vec<Coverage> =
-            group.runs.iter().filter_map(|run| Coverage::of(files.of_run(run))).collect();
+        let group = group.settled();
+        if group.runs.iter().all(|run| files.of_run(run).is_empty()) {
+            return None;
+        }
+        let of_run = |run: &&Run| match files.of_run(run) {
+            measures if complete::is_completed(run) => Some(Coverage::of_failed(measures)),
+            measures => Coverage::of(measures),
+        };
+        let runs: Vec<Coverage> = group.runs.iter().filter_map(of_run).collect();
         let mean = |of: fn(&Coverage) -> f64| stats::mean(&runs.iter().map(of).collect::<Vec<_>>());
         let forgotten: Vec<f64> = runs.iter().filter_map(|run| run.forgotten).collect();
         let mean = Coverage {
@@ -74,7 +96,7 @@ impl CoverageSummary {
             worst_tenth: mean(|run| run.worst_tenth)?,
             worst_quarter: mean(|run| run.worst_quarter)?,
         };
-        Some(Self { key: group.key.clone(), n_seeds: runs.len(), mean })
+        Some(Self { key: group.key, n_seeds: runs.len(), mean })
     }
 }
 
@@ -103,5 +125,10 @@ mod tests {
         let untrained = Coverage::of(&measures[..1]).expect("a measure");
         assert_eq!((untrained.solved, untrained.forgotten), (0.0, None));
         assert_eq!(Coverage::of(&[]), None);
+        // What was solved in some measure stays so; a student of no use has forgotten all of it.
+        let failed = Coverage::of_failed(&measures);
+        assert_eq!((failed.success, failed.solved, failed.forgotten), (0.0, 0.8, Some(1.0)));
+        assert_eq!((failed.worst_tenth, failed.worst_quarter), (0.0, 0.0));
+        assert_eq!((Coverage::of_failed(&[]).solved, Coverage::of_failed(&[]).forgotten), (0.0, None));
     }
 }

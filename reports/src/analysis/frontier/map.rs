@@ -1,9 +1,10 @@
 //! Where in a maze the student succeeds, as measured, beside where its teacher looks.
 
-use crate::analysis::catalogue::{Catalogue, MazeInfo};
+use crate::analysis::catalogue::MazeInfo;
 use crate::analysis::group::{Group, GroupKey};
-use crate::analysis::heat::third;
+use crate::analysis::parts::{budget, third_of};
 use crate::analysis::shadow::WatchedRun;
+use crate::analysis::teachers::{Testimony, teachers};
 use crate::analysis::whole::Analysis;
 use crate::schema::Frontier;
 use crate::store::Run;
@@ -26,6 +27,8 @@ pub struct FrontierMap {
     pub key: GroupKey,
     /// Its runs whose measures are shown, and all of them.
     pub runs: (usize, usize),
+    /// The training steps whose thirds are shown: the largest budget of its runs.
+    pub budget: u64,
     /// One per third of training.
     pub phases: [FrontierPhase; 3],
     /// The same beside the weights of teachers that watched, by name.
@@ -39,6 +42,8 @@ pub struct MappedRun<'a> {
     pub measures: &'a [Frontier],
     /// What was wanted then, where others watched.
     pub watched: Option<&'a WatchedRun>,
+    /// Its budget of training steps.
+    pub budget: u64,
 }
 
 /// The maps of one maze.
@@ -46,8 +51,6 @@ pub struct MappedRun<'a> {
 pub struct MazeFrontier<'a> {
     /// The maze.
     pub maze: &'a MazeInfo,
-    /// The training steps whose thirds are shown: those of the run that has come furthest.
-    pub end: u64,
     /// One per group.
     pub maps: Vec<FrontierMap>,
 }
@@ -106,13 +109,13 @@ impl Sums {
 }
 
 impl FrontierMap {
-    /// The maps of a group's runs; `end` is the number of training steps that thirds are thirds of. Of each
-    /// run the last measure of every third counts. `None` if no run has measures with goals that are
-    /// positions in the plane.
+    /// The maps of a group's runs, which teachers of these names watched, if any. Of each run the last
+    /// measure of every third counts. `None` if no run has measures with goals that are positions in the
+    /// plane.
     pub fn of<'a>(
         key: &GroupKey,
-        (maze, catalogue): (&MazeInfo, &Catalogue),
-        end: u64,
+        maze: &MazeInfo,
+        shadows: impl IntoIterator<Item = String>,
         runs: impl IntoIterator<Item = MappedRun<'a>>,
     ) -> Option<Self> {
         let runs: Vec<MappedRun<'a>> = runs.into_iter().collect();
@@ -120,37 +123,31 @@ impl FrontierMap {
             Some((*run, run.measures.iter().find_map(|measure| cells(maze, measure.goals.as_deref()?))?))
         };
         let telling: Vec<(MappedRun<'a>, Vec<usize>)> = runs.iter().filter_map(place).collect();
-        let watched = telling.iter().find_map(|(run, _)| run.watched);
-        let shadows = watched.map_or(&[][..], |watched| &watched.teachers[1..]);
-        let map = |teacher: usize| [0, 1, 2].map(|index| phase(maze, &telling, (index, end), teacher));
-        let titled = |(teacher, id): (usize, &String)| (catalogue.title(id), map(teacher));
+        let map = |teacher: usize| [0, 1, 2].map(|index| phase(maze, &telling, index, teacher));
         (!telling.is_empty()).then(|| Self {
             key: key.clone(),
             runs: (telling.len(), runs.len()),
+            budget: runs.iter().map(|run| run.budget).max().unwrap_or(0),
             phases: map(0),
-            shadows: (1..).zip(shadows).map(titled).collect(),
+            shadows: (1..).zip(shadows).map(|(teacher, name)| (name, map(teacher))).collect(),
         })
     }
 }
 
-/// The last measures of a third of `end` steps of all `runs`, with the cells of their goals, and the weights
-/// of the teacher in this place.
+/// The last measures of a third of all `runs`, with the cells of their goals, and the weights of the teacher
+/// in this place.
 fn phase(
     maze: &MazeInfo,
     runs: &[(MappedRun<'_>, Vec<usize>)],
-    (index, end): (usize, u64),
+    index: usize,
     teacher: usize,
 ) -> FrontierPhase {
     let mut sums = Sums::new(maze);
-    for (MappedRun { measures, watched }, cells) in runs {
-        let last = measures.iter().rev().find(|measure| third(measure.step, end) == index);
-        let Some(measure) = last else { continue };
-        let wanted = watched.and_then(|watched| watched.measured.get(&measure.eval_index)?.get(teacher));
-        let weights = match teacher {
-            0 => measure.weights.as_deref(),
-            _ => wanted.and_then(|wanted| wanted.weights.as_deref()),
-        };
-        sums.add(measure, weights, cells);
+    for (MappedRun { measures, watched, budget }, cells) in runs {
+        let last = measures.iter().rev().find(|measure| third_of(measure.step, *budget) == index);
+        if let Some(measure) = last {
+            sums.add(measure, Testimony::at(measure, *watched, teacher).weights, cells);
+        }
     }
     sums.phase()
 }
@@ -170,17 +167,18 @@ pub fn maps<'a>(analysis: &'a Analysis<'_>) -> Vec<MazeFrontier<'a>> {
     let of_maze = |maze: &'a MazeInfo| {
         let mut here = analysis.groups.compared_groups();
         here.retain(|group| group.key.environment == maze.id);
-        let last = here.iter().flat_map(|group| &group.runs).filter_map(|run| run.records.last());
-        let end = last.map(|record| record.step).max().unwrap_or(0);
         let mapped = |run: &&'a Run| MappedRun {
             measures: analysis.frontier.of_run(run),
             watched: analysis.shadow.of_run(run),
+            budget: budget(run),
         };
         let map = |group: &&'a Group<'_>| {
-            FrontierMap::of(&group.key, (maze, analysis.catalogue()), end, group.runs.iter().map(mapped))
+            let shadows = teachers(group, &analysis.shadow, analysis.catalogue()).into_iter().skip(1);
+            let names = shadows.map(|shadow| shadow.title.clone());
+            FrontierMap::of(&group.key, maze, names, group.runs.iter().map(mapped))
         };
         let maps: Vec<FrontierMap> = here.iter().filter_map(map).collect();
-        (!maps.is_empty()).then_some(MazeFrontier { maze, end, maps })
+        (!maps.is_empty()).then_some(MazeFrontier { maze, maps })
     };
     analysis.catalogue().mazes.iter().filter_map(of_maze).collect()
 }
@@ -188,6 +186,7 @@ pub fn maps<'a>(analysis: &'a Analysis<'_>) -> Vec<MazeFrontier<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::catalogue::Catalogue;
     use crate::analysis::shadow::Wanted;
 
     #[test]
@@ -213,17 +212,17 @@ mod tests {
             ..first.clone()
         };
         let lines = [first.clone(), later(70, [1, 1, 1]), later(90, [4, 4, 2])];
-        let catalogue = Catalogue::default();
         let wanted = |weights: Option<Vec<f32>>| Wanted { weights, ..Wanted::default() };
         let watched = WatchedRun {
             teachers: ["nova", "wren"].map(String::from).to_vec(),
             measured: [(1, vec![wanted(None), wanted(Some(vec![0.0, 0.75, 0.25]))])].into(),
             ..WatchedRun::default()
         };
-        let unwatched = |measures| MappedRun { measures, watched: None };
-        let runs = [MappedRun { measures: &lines[..], watched: Some(&watched) }, unwatched(&[])];
-        let map = FrontierMap::of(&key, (&maze, &catalogue), 90, runs).expect("goals in the plane");
-        assert_eq!(map.runs, (1, 2));
+        let unwatched = |measures| MappedRun { measures, watched: None, budget: 90 };
+        let runs = [MappedRun { measures: &lines[..], watched: Some(&watched), budget: 90 }, unwatched(&[])];
+        let names = ["wren".to_owned()];
+        let map = FrontierMap::of(&key, &maze, names, runs).expect("goals in the plane");
+        assert_eq!((map.runs, map.budget), ((1, 2), 90));
         // Two goals share the second cell.
         assert_eq!(map.phases[0].success, [Some(0.0), Some(0.625), None, None]);
         assert_eq!(map.phases[0].weights, [Some(0.5), Some(0.5), None, None]);
@@ -238,7 +237,7 @@ mod tests {
         assert_eq!(shadow[2].success, map.phases[2].success);
         let mut elsewhere = lines;
         elsewhere[0].goals = Some(vec![vec![0.0; 3]; 3]);
-        let nothing = FrontierMap::of(&key, (&maze, &catalogue), 90, [unwatched(&elsewhere[..])]);
+        let nothing = FrontierMap::of(&key, &maze, [], [unwatched(&elsewhere[..])]);
         assert_eq!(nothing, None);
     }
 }

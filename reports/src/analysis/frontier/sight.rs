@@ -1,22 +1,19 @@
-//! Whether a teacher sees the frontier: how well the weights that it gives the goals of its pool tell those
-//! of intermediate success from the others.
+//! Whether a teacher sees the frontier: how well its scores, and the weights that it gives the goals of its
+//! pool, tell those of intermediate success from the others.
 
-use std::sync::Arc;
-
-use crate::analysis::catalogue::MethodInfo;
-use crate::analysis::group::{Group, GroupKey};
-use crate::analysis::heat::third;
-use crate::analysis::shadow::agreement::MeanStd;
+use crate::analysis::group::Group;
+use crate::analysis::parts::{ByThird, ByThirdMeans, MeanStd, budget, mean_std, third_of};
+use crate::analysis::teachers::{GroupTeacher, Testimony, known};
 use crate::analysis::whole::Analysis;
 use crate::schema::Frontier;
-use crate::stats::{self, Ddof};
+use crate::stats;
 use crate::store::Run;
 
 /// A goal has intermediate success if p(1 − p) lies above this: p between 0.113 and 0.887.
 pub const INTERMEDIATE: f64 = 0.1;
 
-/// Whether a goal with this success rate has intermediate success.
-pub fn is_intermediate(rate: f64) -> bool {
+/// Whether a goal with this measured success rate has intermediate success.
+pub fn has_intermediate_success(rate: f64) -> bool {
     rate * (1.0 - rate) > INTERMEDIATE
 }
 
@@ -27,7 +24,9 @@ pub struct MeasureSight {
     pub share: f64,
     /// [`stats::auc`] of the teacher's weights for these goals; `None` for a teacher without weights, and
     /// where all goals are such or none is.
-    pub auc: Option<f64>,
+    pub weights: Option<f64>,
+    /// The same of its scores, over the goals that it scored.
+    pub scores: Option<f64>,
     /// Share of the goals that the teacher proposed since the evaluation before, by episodes, that are such;
     /// `None` where that is not known.
     pub proposed: Option<f64>,
@@ -36,38 +35,41 @@ pub struct MeasureSight {
 impl MeasureSight {
     /// How the teacher that acted tells the goals of intermediate success in `measure`.
     pub fn of(measure: &Frontier) -> Self {
-        Self::of_wanted(&measure.rates(), measure.weights.as_deref(), &[])
+        Self::of_told(&measure.rates(), &Testimony::at(measure, None, 0))
     }
 
-    /// How a teacher with these `weights`, `[N]`, and `picks`, goals of the pool with how often they were
-    /// proposed, tells the goals whose `rates`, `[N]`, are intermediate.
-    pub fn of_wanted(rates: &[f64], weights: Option<&[f32]>, picks: &[(u32, u32)]) -> Self {
-        let such: Vec<bool> = rates.iter().map(|&rate| is_intermediate(rate)).collect();
+    /// How a teacher that `told` this tells the goals whose `rates`, `[N]`, are intermediate.
+    pub fn of_told(rates: &[f64], told: &Testimony<'_>) -> Self {
+        let such: Vec<bool> = rates.iter().map(|&rate| has_intermediate_success(rate)).collect();
         let count = such.iter().filter(|&&such| such).count();
-        let area = |weights: &[f32]| {
-            let weights: Vec<f64> = weights.iter().map(|&weight| f64::from(weight)).collect();
-            (weights.len() == such.len()).then(|| stats::auc(&weights, &such))?
-        };
         let proposals = |of: &dyn Fn(u32) -> bool| -> u64 {
-            picks.iter().filter(|(goal, _)| of(*goal)).map(|(_, times)| u64::from(*times)).sum()
+            told.picks.iter().filter(|(goal, _)| of(*goal)).map(|(_, times)| u64::from(*times)).sum()
         };
         let is_such = |goal: u32| such.get(goal as usize).copied().unwrap_or(false);
         let (all, at_them) = (proposals(&|_| true), proposals(&is_such));
+        let weights = told.weights.map(|weights| weights.iter().copied().map(Some).collect::<Vec<_>>());
         Self {
             share: count as f64 / such.len() as f64,
-            auc: weights.and_then(area),
+            weights: area(weights.as_deref(), &such),
+            scores: area(told.scores(), &such),
             proposed: (all > 0).then(|| at_them as f64 / all as f64),
         }
     }
 }
 
+/// [`stats::auc`] of those of `values`, `[N]`, that there are, for the goals that are `such`, `[N]`.
+fn area(values: Option<&[Option<f32>]>, such: &[bool]) -> Option<f64> {
+    let values = values.filter(|values| values.len() == such.len())?;
+    let widened: Vec<Option<f64>> = values.iter().map(|value| value.map(f64::from)).collect();
+    let (values, such) = known(&widened, such);
+    stats::auc(&values, &such)
+}
+
 /// What the table says about one teacher in one group of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SightSummary {
-    /// Which group.
-    pub key: GroupKey,
-    /// The teacher: the one that acted in these runs, or one that watched.
-    pub teacher: Arc<MethodInfo>,
+    /// Which teacher, and in which group.
+    pub teacher: GroupTeacher,
     /// The runs with a measure after training has begun.
     pub n_seeds: usize,
     /// Of goals that have intermediate success themselves.
@@ -83,35 +85,48 @@ pub struct SightMeans {
     pub share: f64,
     /// [`MeasureSight::proposed`]; `None` without one.
     pub proposed: Option<f64>,
-    /// Runs with a measure that has an area.
-    pub n_auc: usize,
-    /// [`MeasureSight::auc`], and its standard deviation over these runs.
-    pub auc: MeanStd,
-    /// The same over the measures of each third of a run, and over the runs that have some.
-    pub auc_by_third: [MeanStd; 3],
+    /// [`MeasureSight::weights`].
+    pub weights: AreaMeans,
+    /// [`MeasureSight::scores`].
+    pub scores: AreaMeans,
+}
+
+/// Areas of runs, each the mean over measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaMeans {
+    /// Over all of a run, and over each third.
+    pub parts: ByThirdMeans,
     /// That of the last third less that of the first, over the runs that have both.
-    pub auc_change: MeanStd,
+    pub change: MeanStd,
+}
+
+impl AreaMeans {
+    fn of(runs: &[ByThird]) -> Self {
+        let change = |run: &ByThird| Some(run.thirds[2]? - run.thirds[0]?);
+        Self { parts: ByThirdMeans::of(runs), change: mean_std(runs.iter().map(change)) }
+    }
 }
 
 /// One teacher in one run: means over measures.
 struct RunSight {
     share: f64,
     proposed: Option<f64>,
-    auc: Option<f64>,
-    by_third: [Option<f64>; 3],
+    weights: ByThird,
+    scores: ByThird,
 }
 
 impl RunSight {
     /// Of `sights`, each with the third of the run that it belongs to; `None` without any.
     fn of(sights: &[(usize, MeasureSight)]) -> Option<Self> {
-        let over = |of: &dyn Fn(&(usize, MeasureSight)) -> Option<f64>| {
-            stats::mean(&sights.iter().filter_map(of).collect::<Vec<_>>())
+        let over = |of: fn(&MeasureSight) -> Option<f64>| {
+            let told = sights.iter().filter_map(|(third, sight)| Some((*third, of(sight)?)));
+            ByThird::means(&told.collect::<Vec<_>>())
         };
         Some(Self {
-            share: over(&|(_, sight)| Some(sight.share))?,
-            proposed: over(&|(_, sight)| sight.proposed),
-            auc: over(&|(_, sight)| sight.auc),
-            by_third: [0, 1, 2].map(|third| over(&|(at, sight)| sight.auc.filter(|_| *at == third))),
+            share: over(|sight| Some(sight.share)).all?,
+            proposed: over(|sight| sight.proposed).all,
+            weights: over(|sight| sight.weights),
+            scores: over(|sight| sight.scores),
         })
     }
 }
@@ -129,16 +144,12 @@ impl SightMeans {
     fn of(runs: &[&Run], analysis: &Analysis<'_>, place: usize, truth: Truth) -> Option<(usize, Self)> {
         let sight = |run: &&Run| RunSight::of(&sights(run, analysis, place, truth));
         let runs: Vec<RunSight> = runs.iter().filter_map(sight).collect();
-        let values = |of: &dyn Fn(&RunSight) -> Option<f64>| runs.iter().filter_map(of).collect::<Vec<_>>();
-        let both = |values: &[f64]| (stats::mean(values), stats::std_dev(values, Ddof::Sample));
-        let areas = values(&|run| run.auc);
+        let areas = |of: fn(&RunSight) -> ByThird| AreaMeans::of(&runs.iter().map(of).collect::<Vec<_>>());
         let means = Self {
-            share: stats::mean(&values(&|run| Some(run.share)))?,
-            proposed: stats::mean(&values(&|run| run.proposed)),
-            n_auc: areas.len(),
-            auc: both(&areas),
-            auc_by_third: [0, 1, 2].map(|third| both(&values(&|run| run.by_third[third]))),
-            auc_change: both(&values(&|run| Some(run.by_third[2]? - run.by_third[0]?))),
+            share: mean_std(runs.iter().map(|run| Some(run.share))).0?,
+            proposed: mean_std(runs.iter().map(|run| run.proposed)).0,
+            weights: areas(|run| run.weights),
+            scores: areas(|run| run.scores),
         };
         Some((runs.len(), means))
     }
@@ -146,60 +157,46 @@ impl SightMeans {
 
 /// What the measures of `run` say of the teacher in this place, each with its third of the run.
 fn sights(run: &Run, analysis: &Analysis<'_>, place: usize, truth: Truth) -> Vec<(usize, MeasureSight)> {
-    let end = run.records.last().map_or(0, |record| record.step);
-    let watched = analysis.shadow.of_run(run);
+    let (budget, watched) = (budget(run), analysis.shadow.of_run(run));
     let neighbours = analysis.frontier.neighbours(run);
     let sight = |measure: &Frontier| {
         let rates = match truth {
             Truth::Itself => measure.rates(),
             Truth::Border => neighbours?.means(&measure.rates())?,
         };
-        let wanted = watched.and_then(|watched| watched.measured.get(&measure.eval_index)?.get(place));
-        let picks = wanted.map_or(&[][..], |wanted| &wanted.picks);
-        let weights = match place {
-            0 => measure.weights.as_deref(),
-            _ => wanted.and_then(|wanted| wanted.weights.as_deref()),
-        };
-        Some((third(measure.step, end), MeasureSight::of_wanted(&rates, weights, picks)))
+        let told = Testimony::at(measure, watched, place);
+        Some((third_of(measure.step, budget), MeasureSight::of_told(&rates, &told)))
     };
     let trained = analysis.frontier.of_run(run).iter().filter(|measure| measure.eval_index > 0);
     trained.filter_map(sight).collect()
 }
 
 impl SightSummary {
-    /// The numbers of a group's teachers, the one that acted first, then those that watched; none if none of
-    /// its runs was measured after training had begun.
+    /// The numbers of a group's teachers in their places; none if none of the runs that count
+    /// ([`Group::settled`]) was measured after training had begun.
     pub fn of(group: &Group<'_>, analysis: &Analysis<'_>) -> Vec<Self> {
-        let watched = group.runs.iter().find_map(|run| analysis.shadow.of_run(run));
-        let shadows = watched.map_or(&[][..], |watched| &watched.teachers[1..]);
-        let of_catalogue = |id: &String| analysis.catalogue().method(id);
-        let teachers =
-            [Arc::clone(&group.key.curriculum)].into_iter().chain(shadows.iter().map(of_catalogue));
-        let of_teacher = |(place, teacher): (usize, Arc<MethodInfo>)| {
+        let group = group.settled();
+        let of_teacher = |(place, teacher): (usize, GroupTeacher)| {
             let means = |truth| SightMeans::of(&group.runs, analysis, place, truth);
             let (n_seeds, itself) = means(Truth::Itself)?;
             let border = means(Truth::Border).map(|(_, means)| means);
-            Some(Self { key: group.key.clone(), teacher, n_seeds, itself, border })
+            Some(Self { teacher, n_seeds, itself, border })
         };
-        teachers.enumerate().filter_map(of_teacher).collect()
-    }
-
-    /// Whether the teacher watched while another one acted.
-    pub fn is_shadow(&self) -> bool {
-        self.teacher.id != self.key.curriculum.id
+        GroupTeacher::all(&group, analysis).into_iter().enumerate().filter_map(of_teacher).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schema::Beliefs;
 
     #[test]
     fn intermediate_success_by_hand() {
         // p(1 − p) of 0, 1/5, ..., 1: 0, 0.16, 0.24, 0.24, 0.16, 0; of 1/10 it is 0.09, of 9/10 as well.
         let fifths = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
-        assert_eq!(fifths.map(is_intermediate), [false, true, true, true, true, false]);
-        assert_eq!([0.1, 0.2, 0.8, 0.9].map(is_intermediate), [false, true, true, false]);
+        assert_eq!(fifths.map(has_intermediate_success), [false, true, true, true, true, false]);
+        assert_eq!([0.1, 0.2, 0.8, 0.9].map(has_intermediate_success), [false, true, true, false]);
     }
 
     #[test]
@@ -210,17 +207,44 @@ mod tests {
             weights: Some(vec![0.1, 0.4, 0.2, 0.3]),
             ..Frontier::default()
         };
-        assert_eq!(MeasureSight::of(&measure), MeasureSight { share: 0.5, auc: Some(1.0), proposed: None });
+        let expected = MeasureSight { share: 0.5, weights: Some(1.0), scores: None, proposed: None };
+        assert_eq!(MeasureSight::of(&measure), expected);
         // 0.4 lies above both others, 0.1 below one and level with the other.
         let weights = Some(vec![0.1, 0.4, 0.2, 0.1]);
         let sight = MeasureSight::of(&Frontier { weights, ..measure.clone() });
-        assert_eq!(sight.auc, Some(2.5 / 4.0));
+        assert_eq!(sight.weights, Some(2.5 / 4.0));
         let sight = MeasureSight::of(&Frontier { weights: None, ..measure.clone() });
-        assert_eq!((sight.share, sight.auc), (0.5, None));
+        assert_eq!((sight.share, sight.weights), (0.5, None));
         // Of five proposals three went to the goals of intermediate success.
-        let sight = MeasureSight::of_wanted(&measure.rates(), Some(&[0.25; 4]), &[(0, 2), (1, 2), (3, 1)]);
-        assert_eq!((sight.auc, sight.proposed), (Some(0.5), Some(0.6)));
+        let picks = [(0, 2), (1, 2), (3, 1)];
+        let told = Testimony { weights: Some(&[0.25; 4]), picks: &picks, ..Testimony::default() };
+        let sight = MeasureSight::of_told(&measure.rates(), &told);
+        assert_eq!((sight.weights, sight.proposed), (Some(0.5), Some(0.6)));
         let solved = MeasureSight::of(&Frontier { successes: vec![5; 4], ..measure });
-        assert_eq!((solved.share, solved.auc), (0.0, None));
+        assert_eq!((solved.share, solved.weights), (0.0, None));
+    }
+
+    #[test]
+    fn scores_are_judged_apart_from_weights_and_over_the_goals_that_have_one() {
+        let scored = |scores: [Option<f32>; 4]| {
+            let beliefs = Some(Beliefs { success: None, scores: Some(scores.to_vec()) });
+            let weights = Some(vec![0.1, 0.4, 0.2, 0.3]);
+            let measure = Frontier {
+                episodes: 5,
+                successes: vec![0, 2, 5, 4],
+                weights,
+                beliefs,
+                ..Frontier::default()
+            };
+            let sight = MeasureSight::of(&measure);
+            (sight.weights, sight.scores)
+        };
+        // The second and the fourth goal have intermediate success: both score lower than the others.
+        assert_eq!(scored([3.0, 1.0, 2.0, 0.0].map(Some)), (Some(1.0), Some(0.0)));
+        // Nothing is known yet, while weights differ for another reason.
+        assert_eq!(scored([0.0; 4].map(Some)), (Some(1.0), Some(0.5)));
+        // Of the first goal and the last nothing is known: 1 against 2.
+        assert_eq!(scored([None, Some(1.0), Some(2.0), None]), (Some(1.0), Some(0.0)));
+        assert_eq!(scored([None, Some(1.0), None, Some(2.0)]), (Some(1.0), None), "goals of one kind");
     }
 }

@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use crate::analysis::catalogue::{Catalogue, MethodInfo};
 use crate::analysis::group::{Group, GroupKey};
+use crate::analysis::parts::{MeanStd, mean_std};
 use crate::analysis::shadow::{ShadowFiles, WatchedRun};
-use crate::stats::{self, Ddof, RankOrder};
+use crate::analysis::teachers::teachers;
+use crate::stats::{self, RankOrder};
 
 /// Two teachers in one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
     /// Their places among the run's teachers.
     pub pair: (usize, usize),
-    /// Mean over the evaluations of each third of the rank correlation of their weights; `None` where it was
+    /// Mean over the evaluations of each third of the rank correlation of their orders; `None` where it was
     /// never defined.
     pub correlation: [Option<f64>; 3],
     /// The same of the overlap of the goals that they want most.
@@ -42,7 +44,7 @@ impl Sums {
         }
     }
 
-    /// Every two teachers that both had weights.
+    /// Every two teachers that both had an order.
     pub(super) fn agreement(&self) -> Vec<Agreement> {
         let of_pair = |(a, b): (usize, usize)| {
             let means = |values: &[Vec<f64>; 3]| values.each_ref().map(|values| stats::mean(values));
@@ -59,9 +61,6 @@ fn pairs(teachers: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..teachers).flat_map(move |a| (a + 1..teachers).map(move |b| (a, b)))
 }
 
-/// A mean over seeds and its standard deviation; `None` for none, and for fewer than two.
-pub type MeanStd = (Option<f64>, Option<f64>);
-
 /// What the table says about two teachers in one group of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgreementSummary {
@@ -69,7 +68,7 @@ pub struct AgreementSummary {
     pub key: GroupKey,
     /// The two; the first may be the one that acted.
     pub teachers: [Arc<MethodInfo>; 2],
-    /// Runs in which both had weights.
+    /// Runs that count ([`Group::settled`]) in which both had an order.
     pub n_seeds: usize,
     /// [`Agreement::correlation`] over these runs.
     pub correlation: [MeanStd; 3],
@@ -85,24 +84,19 @@ impl AgreementSummary {
 
     /// Every two teachers of a group whose order could be compared in some run.
     pub fn of(group: &Group<'_>, files: &ShadowFiles, catalogue: &Catalogue) -> Vec<Self> {
+        let group = group.settled();
         let runs: Vec<&WatchedRun> = group.runs.iter().filter_map(|run| files.of_run(run)).collect();
-        let Some(teachers) = runs.first().map(|run| &run.teachers) else { return Vec::new() };
-        let method = |place: usize| match place {
-            0 => Arc::clone(&group.key.curriculum),
-            _ => catalogue.method(&teachers[place]),
-        };
+        let Some(ids) = runs.first().map(|run| &run.teachers) else { return Vec::new() };
+        let teachers = teachers(&group, files, catalogue);
+        let method = |place: usize| Arc::clone(&teachers[place]);
         let told: BTreeSet<(usize, usize)> =
             runs.iter().flat_map(|run| &run.agreement).map(|agreement| agreement.pair).collect();
         let mut rows = Vec::new();
         for pair in told {
-            let found = runs.iter().filter(|run| run.teachers == *teachers).flat_map(|run| &run.agreement);
+            let found = runs.iter().filter(|run| run.teachers == *ids).flat_map(|run| &run.agreement);
             let found: Vec<&Agreement> = found.filter(|agreement| agreement.pair == pair).collect();
             let over_runs = |of: fn(&Agreement) -> [Option<f64>; 3]| {
-                [0, 1, 2].map(|third| {
-                    let values: Vec<f64> =
-                        found.iter().filter_map(|agreement| of(agreement)[third]).collect();
-                    (stats::mean(&values), stats::std_dev(&values, Ddof::Sample))
-                })
+                [0, 1, 2].map(|third| mean_std(found.iter().map(|agreement| of(agreement)[third])))
             };
             let correlation = over_runs(|agreement| agreement.correlation);
             if correlation.iter().any(|(mean, _)| mean.is_some()) {

@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, scale, text};
-use crate::analysis::heat::PHASES;
+use crate::analysis::parts::PHASES;
 use crate::analysis::shadow::agreement::AgreementSummary;
 use crate::error::ReportError;
 use crate::render::table::cells::decimal;

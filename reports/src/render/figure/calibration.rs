@@ -12,6 +12,7 @@ use super::shapes::{self, Area, DrawResult};
 use super::{page, text};
 use crate::analysis::calibration::BINS;
 use crate::analysis::calibration::estimate::{Calibration, SeedBin};
+use crate::analysis::teachers::GroupTeacher;
 use crate::error::ReportError;
 use crate::render::table::cells::{decimal, or_undefined};
 
@@ -84,15 +85,12 @@ pub fn calibration(environment: &str, judged: &[Calibration]) -> Result<String, 
 
 /// The teachers in rows: a row for each group of students, or more where many teachers saw it.
 fn rows(judged: &[Calibration]) -> Vec<&[Calibration]> {
-    judged.chunk_by(|a, b| a.key == b.key).flat_map(|group| group.chunks(COLUMNS)).collect()
+    judged.chunk_by(|a, b| a.teacher.key == b.teacher.key).flat_map(|group| group.chunks(COLUMNS)).collect()
 }
 
 fn title(judged: &Calibration) -> String {
-    if judged.is_shadow() {
-        format!("{} on {}", judged.teacher.title, judged.key.name())
-    } else {
-        judged.key.name()
-    }
+    let GroupTeacher { key, method } = &judged.teacher;
+    if judged.teacher.is_shadow() { format!("{} on {}", method.title, key.name()) } else { key.name() }
 }
 
 fn caption(environment: &str, judged: &[Calibration]) -> String {
@@ -101,7 +99,7 @@ fn caption(environment: &str, judged: &[Calibration]) -> String {
         seeds.iter().copied().min().unwrap_or(0),
         seeds.iter().copied().max().unwrap_or(0),
     ));
-    let is_watched = judged.iter().any(Calibration::is_shadow);
+    let is_watched = judged.iter().any(|judged| judged.teacher.is_shadow());
     let watched = if is_watched { " A on B: teacher A, which watched the student of B." } else { "" };
     format!(
         "{environment}: goals of the pool by their teacher's estimate of success, in {BINS} bins; points: mean measured \
@@ -205,9 +203,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::analysis::calibration::{ByThird, ByThirdMeans};
     use crate::analysis::catalogue::{Catalogue, MethodInfo};
     use crate::analysis::group::GroupKey;
+    use crate::analysis::parts::{ByThird, ByThirdMeans};
     use crate::stats::ReliabilityBin;
 
     fn judged(curriculum: &str, teacher: &str, error: f64) -> Calibration {
@@ -220,8 +218,10 @@ mod tests {
         (bins[0][4], bins[1][4], bins[3][4]) = (bin(30), bin(FEWEST - 1), bin(FEWEST));
         let thirds = [Some(error), None, Some(0.25)];
         Calibration {
-            key: GroupKey::new(&Catalogue::default(), "E", curriculum, "default"),
-            teacher: Arc::new(MethodInfo::new(teacher, teacher.to_uppercase(), None)),
+            teacher: GroupTeacher {
+                key: GroupKey::new(&Catalogue::default(), "E", curriculum, "default"),
+                method: Arc::new(MethodInfo::new(teacher, teacher.to_uppercase(), None)),
+            },
             n_seeds: 2,
             means: (0.45, 0.0),
             error: ByThirdMeans::of(&[ByThird { all: Some(error), thirds }]),

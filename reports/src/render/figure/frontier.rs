@@ -1,9 +1,8 @@
 //! Maps of the frontier in a maze: what the student could do, as measured, beside where its teacher looked.
 
-use super::maze::{MazeBlock, MazePicture, MazeRow, MazeSheet};
+use super::maze::{MazeBlock, MazePicture, MazeRow, MazeSheet, budgets};
 use crate::analysis::frontier::map::{FrontierMap, FrontierPhase, MazeFrontier};
 use crate::error::ReportError;
-use crate::render::table::cells::thousands;
 use crate::stats;
 use crate::wording::counted;
 
@@ -77,7 +76,7 @@ fn row(label: String, phases: &[FrontierPhase; 3], most: f64) -> MazeRow {
 }
 
 /// What the maps show, and of what.
-fn caption(MazeFrontier { maze, end, maps }: &MazeFrontier<'_>) -> String {
+fn caption(MazeFrontier { maze, maps }: &MazeFrontier<'_>) -> String {
     let partly = maps.iter().filter(|map| map.runs.0 < map.runs.1);
     let runs: Vec<String> = partly
         .map(|map| format!("{}: {} of {}", map.key.name(), map.runs.0, counted(map.runs.1, "run")))
@@ -87,12 +86,12 @@ fn caption(MazeFrontier { maze, end, maps }: &MazeFrontier<'_>) -> String {
         runs => format!("all seeds that were measured ({})", runs.join(", ")),
     };
     format!(
-        "{}: the last measure of the frontier in each third of {} training steps; {seeds}. Black: walls. White: no goal of \
+        "{}: the last measure of the frontier in each third of a budget of {} training steps; {seeds}. Black: walls. White: no goal of \
          the pool lies there. Left: success rate of greedy episodes towards the goals of the pool in each cell. Right: the \
          teacher's probability of a goal there. Empty maps say why: no measure fell into that third, or the teacher \
          does not weigh the pool.{}",
         maze.id,
-        thousands(*end),
+        budgets(maps.iter().map(|map| map.budget)),
         watchers(maps),
     )
 }
@@ -121,13 +120,13 @@ mod tests {
         let both = FrontierPhase { success: cells.clone(), weights: cells.clone() };
         let unweighed = FrontierPhase { success: cells, weights: Vec::new() };
         let phases = [both.clone(), unweighed, FrontierPhase::default()];
-        let mut map = FrontierMap { key, runs: (1, 2), phases, shadows: Vec::new() };
+        let mut map = FrontierMap { key, runs: (1, 2), budget: 90, phases, shadows: Vec::new() };
         let MazeRow { blocks: [measured, looked], .. } = rows(&map, 0.5).remove(0);
         assert_eq!(measured.map(|picture| picture.reason), [None, None, Some("no measure")]);
         assert_eq!(looked[0].values, [Some(1.0), None, Some(0.5), None]);
         let reasons = looked.map(|picture| picture.reason);
         assert_eq!(reasons, [None, Some("no weights"), Some("no measure")]);
-        let alone = MazeFrontier { maze: &maze, end: 90, maps: vec![map.clone()] };
+        let alone = MazeFrontier { maze: &maze, maps: vec![map.clone()] };
         assert_eq!((scale_end(&alone), watchers(&alone.maps).as_str()), ((0.5, true), ""));
         // Two shadows: one of four times that, one that weighs nothing.
         let weights = both.weights.iter().map(|share| share.map(|share| 4.0 * share)).collect();
@@ -135,7 +134,7 @@ mod tests {
         let [none, silent] = [FrontierPhase::default(), FrontierPhase::default()];
         map.shadows.push(("Wren".into(), [sharp, none, silent]));
         map.shadows.push(("Moss".into(), Default::default()));
-        let frontier = MazeFrontier { maze: &maze, end: 90, maps: vec![map] };
+        let frontier = MazeFrontier { maze: &maze, maps: vec![map] };
         assert_eq!(scale_end(&frontier), (1.25, false));
         assert!(
             caption(&frontier)
@@ -143,6 +142,8 @@ mod tests {
         );
         assert_eq!(rows(&frontier.maps[0], 1.25)[1].blocks[1][0].values, [Some(1.0), None, Some(0.8), None]);
         assert!(caption(&frontier).contains("all seeds that were measured (nova: 1 of 2 runs)"));
+        assert_eq!(budgets([90, 30, 90].into_iter()), "30 to 90");
+        assert!(caption(&frontier).contains("each third of a budget of 90 training steps"));
         let svg = super::frontier(&frontier).unwrap();
         assert!(svg.contains("no weights") && svg.contains("no measure") && svg.contains("125.0 % and more"));
     }

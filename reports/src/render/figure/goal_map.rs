@@ -7,7 +7,7 @@ use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, scale, text};
 use crate::analysis::goal_map::{CELLS, GoalMaps, PROJECTIONS};
-use crate::analysis::heat::PHASES;
+use crate::analysis::parts::PHASES;
 use crate::error::ReportError;
 
 /// Text sizes in points.

@@ -7,8 +7,9 @@ use super::canvas::{self, FRAME, MARGIN, PAGE_WIDTH};
 use super::shapes::{Area, DrawResult};
 use super::{page, scale, text};
 use crate::analysis::catalogue::MazeInfo;
-use crate::analysis::heat::PHASES;
+use crate::analysis::parts::PHASES;
 use crate::error::ReportError;
+use crate::render::table::cells::thousands;
 
 /// Text sizes in points.
 const TITLE: f64 = 9.0;
@@ -55,6 +56,12 @@ pub(super) struct MazeSheet<'a> {
     pub(super) blocks: [MazeBlock; 2],
     pub(super) rows: Vec<MazeRow>,
     pub(super) caption: String,
+}
+
+/// The budgets of the runs that maps are of, as captions tell them: `60,000`, or `20,000 to 60,000`.
+pub(super) fn budgets(steps: impl Iterator<Item = u64> + Clone) -> String {
+    let (least, most) = (steps.clone().min().unwrap_or(0), steps.max().unwrap_or(0));
+    if least == most { thousands(most) } else { format!("{} to {}", thousands(least), thousands(most)) }
 }
 
 impl MazeSheet<'_> {

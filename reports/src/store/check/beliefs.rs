@@ -12,9 +12,9 @@ pub(super) fn misfit(beliefs: &Beliefs, size: u64) -> Option<(&'static str, Stri
             return Some((field, format!("{length} long"), "an entry for every goal of the pool"));
         }
     }
-    if let Some(odd) = success.iter().flatten().find(|value| !(0.0..=1.0).contains(*value)) {
+    if let Some(odd) = success.iter().flatten().flatten().find(|value| !(0.0..=1.0).contains(*value)) {
         return Some(("beliefs.success", odd.to_string(), "numbers in [0, 1]"));
     }
-    let odd = scores.iter().flatten().find(|value| !value.is_finite())?;
+    let odd = scores.iter().flatten().flatten().find(|value| !value.is_finite())?;
     Some(("beliefs.scores", odd.to_string(), "finite numbers"))
 }
