@@ -43,7 +43,7 @@ use crate::curriculum::{Lesson, Proposal, Setting, TeacherSummary};
 use crate::distribution::Distribution;
 use crate::error::CurriculumError;
 use crate::history::History;
-use crate::judgement::Judgement;
+use crate::judgement::{Judgement, learnability};
 use crate::method::Method;
 use crate::regions::Regions;
 use crate::snapshot;
@@ -94,11 +94,6 @@ impl Default for GoidConfig {
 /// ```
 pub fn is_of_intermediate_difficulty(rate: f64, lowest: f64, highest: f64) -> bool {
     (lowest..=highest).contains(&rate)
-}
-
-/// p (1 − p), for no number of the method's own says how much it wants a goal.
-fn score(rate: f64) -> f64 {
-    rate * (1.0 - rate)
 }
 
 /// The GOID teacher.
@@ -198,7 +193,8 @@ impl Method for Goid {
         let goal = state.curriculum.draw(lesson.rng);
         let region = self.regions.of(goal);
         state.playing = Some(region);
-        Ok(Proposal::pool(goal).scored(state.history.rate(region).map(score)))
+        // No number of the method's own says how much it wants a goal.
+        Ok(Proposal::pool(goal).scored(state.history.rate(region).map(learnability)))
     }
 
     fn observe(&self, state: &mut GoidState, episode: &Episode) -> Result<(), CurriculumError> {
@@ -220,7 +216,7 @@ impl Method for Goid {
     fn judge(&self, state: &GoidState, _student: &dyn Critic) -> Judgement {
         let rates = (0..self.pool.len()).map(|goal| state.history.rate(self.regions.of(goal)));
         let success: Vec<Option<f64>> = rates.collect();
-        let scores = success.iter().map(|rate| rate.map(score)).collect();
+        let scores = success.iter().map(|rate| rate.map(learnability)).collect();
         Judgement::of_some(success, scores)
     }
 

@@ -124,7 +124,7 @@ fn sight_columns(
         Column::real(name, meaning, share).shown(title, move |row| or_undefined(share(row), decimal)),
         columns::titled(proposals, names.proposed, move |row| or_undefined(proposed(row), decimal)),
     ];
-    let (weights, scores) = (format!("{}auc", names.prefix), format!("{}score_auc", names.prefix));
+    let (weights, scores) = (format!("{}roc_auc", names.prefix), format!("{}score_roc_auc", names.prefix));
     columns.extend(area_columns(&weights, &names.weights, move |row| Some(of(row)?.weights)));
     columns.extend(area_columns(&scores, &names.scores, move |row| Some(of(row)?.scores)));
     columns
@@ -212,13 +212,13 @@ fn measures(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
             move |row: &Row<'_>| solved(row.1.rates()),
         ),
         Column::real(
-            "auc",
+            "roc_auc",
             "area under the ROC curve of the teacher's weights for the goals of intermediate success; empty where the \
              teacher has no weights, or all goals are of one kind",
             |row: &Row<'_>| MeasureSight::of(row.1).weights,
         ),
         Column::real(
-            "score_auc",
+            "score_roc_auc",
             "the same of the teacher's scores, over the goals that have one; empty likewise",
             |row: &Row<'_>| MeasureSight::of(row.1).scores,
         ),

@@ -108,14 +108,14 @@ fn close(found: &[Option<f64>], expected: &[Option<f64>]) {
     }
 }
 
-const SIGHT_COLUMNS: &str = "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_auc,auc,auc_std,auc_1,auc_1_std,\
-     auc_2,auc_2_std,auc_3,auc_3_std,auc_change,auc_change_std,n_score_auc,score_auc,score_auc_std,score_auc_1,\
-     score_auc_1_std,score_auc_2,score_auc_2_std,score_auc_3,score_auc_3_std,score_auc_change,\
-     score_auc_change_std,border,border_proposed,n_border_auc,border_auc,border_auc_std,border_auc_1,\
-     border_auc_1_std,border_auc_2,border_auc_2_std,border_auc_3,border_auc_3_std,border_auc_change,\
-     border_auc_change_std,n_border_score_auc,border_score_auc,border_score_auc_std,border_score_auc_1,\
-     border_score_auc_1_std,border_score_auc_2,border_score_auc_2_std,border_score_auc_3,\
-     border_score_auc_3_std,border_score_auc_change,border_score_auc_change_std";
+const SIGHT_COLUMNS: &str = "environment,curriculum,variant,teacher,n_measured,intermediate,proposed,n_roc_auc,roc_auc,roc_auc_std,roc_auc_1,roc_auc_1_std,\
+     roc_auc_2,roc_auc_2_std,roc_auc_3,roc_auc_3_std,roc_auc_change,roc_auc_change_std,n_score_roc_auc,score_roc_auc,score_roc_auc_std,score_roc_auc_1,\
+     score_roc_auc_1_std,score_roc_auc_2,score_roc_auc_2_std,score_roc_auc_3,score_roc_auc_3_std,score_roc_auc_change,\
+     score_roc_auc_change_std,border,border_proposed,n_border_roc_auc,border_roc_auc,border_roc_auc_std,border_roc_auc_1,\
+     border_roc_auc_1_std,border_roc_auc_2,border_roc_auc_2_std,border_roc_auc_3,border_roc_auc_3_std,border_roc_auc_change,\
+     border_roc_auc_change_std,n_border_score_roc_auc,border_score_roc_auc,border_score_roc_auc_std,border_score_roc_auc_1,\
+     border_score_roc_auc_1_std,border_score_roc_auc_2,border_score_roc_auc_2_std,border_score_roc_auc_3,\
+     border_score_roc_auc_3_std,border_score_roc_auc_change,border_score_roc_auc_change_std";
 
 /// Two seeds of a teacher with weights, one of one without, and a run that was never measured.
 #[test]
