@@ -85,7 +85,7 @@ fn check_inputs(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<(
     }
     if let Some(runs) = runs_around(path) {
         let what = format!(
-            "lies in {}, which holds the runs of a results folder; name another place",
+            "lies in {}, which holds the runs of a results folder; name a place outside",
             runs.display()
         );
         return wrong(option, path, &what);

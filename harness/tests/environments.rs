@@ -113,10 +113,13 @@ fn pictures_are_drawn_in_bounded_memory() {
 fn render_refuses_what_it_cannot_draw() {
     for (args, expected) in [
         (vec!["render", "--env", "MazeD", "--out", "x.gif"], "did you mean `MazeA`"),
-        (vec!["render", "/nowhere", "--out", "x.gif"], "/nowhere/manifest.json: there is no manifest"),
+        (vec!["render", "/nowhere", "--out", "x.gif"], "/nowhere: is no folder of a run"),
         (vec!["render", "--env", "MazeA", "--size", "0", "--out", "x.gif"], "1 to 4096"),
         (vec!["render", "--env", "MazeA"], "--out"),
-        (vec!["render", "--env", "MazeA", "--out", "/nowhere/x.gif"], "cannot write this file"),
+        (
+            vec!["render", "--env", "MazeA", "--out", "/proc/x/x.gif"],
+            "--out: /proc: cannot write in this folder",
+        ),
     ] {
         let output = goalbench(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");

@@ -376,7 +376,7 @@ fn what_cannot_be_exported_is_refused_and_leaves_nothing() {
     export(&run, &place("link"), &["--out", "exists already"]);
     export(&run, &place("file/policy"), &["--out", "is no folder"]);
     export(Path::new("/nowhere"), &place("policy"), &["/nowhere"]);
-    export(&results, &place("policy"), &["there is no manifest"]);
+    export(&results, &place("policy"), &["is no folder of a run"]);
     let checkpoint = run.join("checkpoint.bin");
     let whole = fs::read(&checkpoint).expect("a checkpoint");
     fs::write(&checkpoint, &whole[..whole.len() - 7]).expect("it can be written");

@@ -296,25 +296,41 @@ fn what_a_command_was_to_make_leaves_no_folders_behind_when_it_is_refused() {
     refused(here, &["export", "nowhere", "--out", "a/b"], &["nowhere: is no folder of a run"]);
 }
 
-/// One of two settings, or one place for two things, would be lost without a word.
 #[test]
-fn what_one_command_says_twice_is_refused() {
+fn two_outputs_of_one_command_lie_apart_and_quickstart_runs_its_own_protocol() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     fs::write(here.join("p.toml"), format!("name = 'p'\n{PROTOCOL}")).expect("it can be written");
-    let run = |more: &[&'static str]| [&["run", "p.toml", "--out", "new"][..], more].concat();
-    let twice = "give one of them";
-    refused(
-        here,
-        &run(&["--steps", "200", "--set", "budget.steps=100"]),
-        &["--steps", "budget.steps=100", twice],
-    );
-    refused(here, &run(&["--set", "budget={steps=100}", "--steps", "200"]), &["--steps", twice]);
-    refused(here, &run(&["--device", "cpu", "--set", "student.device='cpu'"]), &["--device", twice]);
-    refused(here, &run(&["--shadow", "vds", "--set", "shadow=['lp']"]), &["--shadow", twice]);
     refused(here, &["regress", "record", "p.toml", "--out", "x", "--keep", "x"], &["--keep", "--out x"]);
     refused(here, &["quickstart", "--preset", "smoke"], &["quickstart: runs the preset `quickstart`"]);
     refused(here, &["quickstart", "--bogus"], &["Usage: goalbench quickstart"]);
-    let output = within(here, &run(&["--shadow", "teach", "--print-config"]));
-    assert!(stderr(&output).contains("the shadow `teach` changes nothing"), "{}", stderr(&output));
+}
+
+/// What is said to no effect is told, wherever it stands.
+#[test]
+fn options_that_others_replace_bring_a_warning() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    fs::write(here.join("p.toml"), format!("name = 'p'\n{PROTOCOL}")).expect("it can be written");
+    let said = |more: &[&str]| {
+        let output = within(here, &[&["run", "p.toml", "--print-config"][..], more].concat());
+        assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+        stderr(&output)
+    };
+    for (options, expected) in [
+        (
+            &["--set", "budget.steps=100", "--steps", "200"][..],
+            "--steps 200: changes nothing: --set budget.steps=100 sets",
+        ),
+        (&["--steps", "200", "--set", "budget={steps=100}"], "--steps 200: changes nothing"),
+        (&["--device", "cpu", "--set", "student.device='cpu'"], "--device cpu: changes nothing"),
+        (&["--shadow", "vds", "--set", "shadow=['lp']"], "--shadow vds: changes nothing"),
+        (&["--shadow", "teach"], "the shadow `teach` changes nothing"),
+    ] {
+        let text = said(options);
+        assert!(text.contains(expected), "{options:?}: expected {expected:?} in {text}");
+    }
+    let repeated =
+        ["--set", "student.batch=16", "--set", "student.batch=32", "--steps", "300", "--steps", "200"];
+    assert_eq!(said(&repeated), "", "the last of several counts, as with every option");
 }

@@ -64,10 +64,50 @@ impl Protocol {
                 ));
             }
         }
+        notes.extend(replaced(&self.options));
         notes.extend(self.options.iter().chain([&self.base]).flat_map(|layer| unseen_shadows(layer, plan)));
         notes.extend(alike(plan));
         notes
     }
+}
+
+/// A sentence for each of the `options` all of whose settings are replaced by those after it. A `--set` that
+/// stands before another one gives way to it as every option does that is repeated.
+fn replaced(options: &[ConfigLayer]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, layer) in options.iter().enumerate() {
+        let place = layer.origin.place(&[]);
+        let later = &options[index + 1..];
+        let replacement = |path: &Vec<&str>| later.iter().find(|later| sets(&later.table, path));
+        let replacements = leaves(&layer.table).iter().map(replacement).collect::<Option<Vec<_>>>();
+        if let Some([by, ..]) = replacements.as_deref()
+            && !place.starts_with("--set ")
+        {
+            notes.push(format!("{place}: changes nothing: {} sets the same", by.origin.place(&[])));
+        }
+    }
+    notes
+}
+
+/// The paths of all values in `table` that are no tables themselves.
+fn leaves(table: &Table) -> Vec<Vec<&str>> {
+    let mut found = Vec::new();
+    for (name, value) in table {
+        match value {
+            Value::Table(below) => {
+                let paths = leaves(below).into_iter();
+                found.extend(paths.map(|path| [&[name.as_str()][..], &path].concat()));
+            }
+            _ => found.push(vec![name.as_str()]),
+        }
+    }
+    found
+}
+
+/// Whether `table` has a value at `path`, or one that takes the place of the tables around it.
+fn sets(table: &Table, path: &[&str]) -> bool {
+    let Some((first, rest)) = path.split_first() else { return true };
+    table.get(*first).is_some_and(|value| value.as_table().is_none_or(|table| sets(table, rest)))
 }
 
 /// A sentence for each shadow that `layer` names and no run has.

@@ -183,7 +183,7 @@ fn results_that_are_not_whole_are_refused_and_nothing_is_written() {
     for place in ["runs/a.tar.zst", "runs/Point/teach/default/seed-0/a.tar.zst", "protocols/a.tar.zst"] {
         refused(
             &["pack", text(&results), "--out", text(&results.join(place))],
-            &["--out", "the runs of a results folder"],
+            &["--out", "name a place outside"],
         );
         assert!(!results.join(place).exists());
     }

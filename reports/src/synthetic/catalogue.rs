@@ -5,8 +5,8 @@ use looks::colours::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use looks::{Dash, Look, Marker};
 
 use crate::analysis::catalogue::{
-    Axis, Catalogue, Claim, ClaimKind, ClaimScope, Deviation, Measure, MethodInfo, Paper, PaperProtocol,
-    ReadingChoice, Rule,
+    Axis, Catalogue, Citation, Claim, ClaimKind, ClaimScope, Deviation, Measure, MethodInfo, Paper,
+    PaperProtocol, ReadingChoice, Rule,
 };
 
 const FIGURES: &str = "Figures 2 and 6";
@@ -116,6 +116,16 @@ pub fn catalogue() -> Catalogue {
         symbol: symbol.to_owned(),
         reference: reference.to_owned(),
     };
+    let cited = |of: &str, curriculum: Option<&str>, text: &str| Citation {
+        of: of.to_owned(),
+        curriculum: curriculum.map(str::to_owned),
+        text: text.to_owned(),
+    };
+    catalogue.citations = vec![
+        cited("Results", None, "Nobody, a program that was made up"),
+        cited("NOVA", Some("nova"), "Nobody, NOVA"),
+        cited("STARLING", Some("starling"), "Nobody, a curriculum that no run has"),
+    ];
     catalogue.paper = Paper {
         method: "nova".to_owned(),
         baselines: owned(&["wren", "kite", "moss", "dull"]),

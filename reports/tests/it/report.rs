@@ -109,10 +109,10 @@ fn all_files_are_written_and_returned() {
         "student.parquet",
         "summary.csv",
         "summary.md",
+        "tables/citations.tex",
         "tables/comparisons.tex",
         "tables/costs.tex",
         "tables/deviations.tex",
-        "tables/citations.tex",
         "tables/ledger.tex",
         "tables/options.tex",
         "tables/summary.tex",
@@ -212,10 +212,7 @@ fn reports_are_named_after_their_protocols_and_say_of_what_they_are() {
     }
     let missing = ReportOptions { curricula: vec!["nova".into(), "Nova".into()], ..options() };
     let error = reports::write(results.path(), &missing).unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "option curricula: no run of the results has Nova; accepted: dull, my|own *teacher*, nova"
-    );
+    assert_eq!(error, "--curricula: no run of the results has Nova; accepted: dull, my|own *teacher*, nova");
 }
 
 #[test]

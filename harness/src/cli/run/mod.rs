@@ -268,33 +268,10 @@ fn protocol(registry: &Registry, args: &Args) -> Result<Protocol, HarnessError> 
         protocol.set(ConfigLayer::from_option(option, &["student", "device"], device.as_str().into()));
     }
     for assignment in &args.set {
-        let layer = ConfigLayer::from_assignment("--set", assignment)?;
-        refuse_twice(args, &layer, assignment)?;
-        protocol.set(layer);
+        protocol.set(ConfigLayer::from_assignment("--set", assignment)?);
     }
     if !is_named {
         protocol.name_by_options();
     }
     Ok(protocol)
-}
-
-/// Refuses an assignment of what an option of its own gives as well: one of them would be silently ignored.
-fn refuse_twice(args: &Args, layer: &ConfigLayer, assignment: &str) -> Result<(), HarnessError> {
-    let given: [(&'static str, bool, &[&str]); 3] = [
-        ("--steps", args.steps.is_some(), &["budget", "steps"]),
-        ("--device", args.device.is_some(), &["student", "device"]),
-        ("--shadow", !args.shadow.is_empty(), &["shadow"]),
-    ];
-    let sets = |path: &[&str]| {
-        let (last, tables) = path.split_last().expect("a path has a name");
-        let table = tables.iter().try_fold(&layer.table, |table, name| table.get(*name)?.as_table());
-        table.is_some_and(|table| table.contains_key(*last))
-    };
-    match given.iter().find(|(_, given, path)| *given && sets(path)) {
-        Some((option, ..)) => {
-            let reason = format!("sets the same as --set {}; give one of them", short(assignment));
-            Err(HarnessError::Argument { option, reason })
-        }
-        None => Ok(()),
-    }
 }
