@@ -171,24 +171,31 @@ fn runs_without_shadows_keep_their_hashes_and_wrong_names_are_refused() {
     }
 }
 
-/// A program that proposes the first goal and goes away when it has heard of five episodes.
-const LEAVES: &str = r#"#!/bin/sh
-heard=0
+/// A program that proposes the first goal always. `begins` and `hears` are what it does when it starts, and
+/// when it has heard of an episode.
+fn first_goal(begins: &str, hears: &str) -> String {
+    format!(
+        r#"#!/bin/sh
+{begins}
 while read -r line; do
   case "$line" in
-    *'"type":"hello"'*) echo '{"type":"ready","protocol":1}' ;;
-    *'"type":"propose"'*) echo '{"type":"goal","goal":0}' ;;
-    *'"type":"save"'*) echo '{"type":"saved","state":""}' ;;
-    *) heard=$((heard + 1)); [ $heard -gt 5 ] && exit 0; echo '{"type":"heard"}' ;;
+    *'"type":"hello"'*) echo '{{"type":"ready","protocol":1}}' ;;
+    *'"type":"propose"'*) echo '{{"type":"goal","goal":0}}' ;;
+    *'"type":"save"'*) echo '{{"type":"saved","state":""}}' ;;
+    *) {hears}; echo '{{"type":"heard"}}' ;;
   esac
 done
-"#;
+"#
+    )
+}
 
 #[test]
 fn a_shadow_that_fails_is_silent_and_in_nobodys_way() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let program = folder.path().join("leaves.sh");
-    fs::write(&program, LEAVES).expect("it can be written");
+    // It goes away when it has heard of five episodes.
+    let leaves = first_goal("heard=0", "heard=$((heard + 1)); [ $heard -gt 5 ] && exit 0");
+    fs::write(&program, leaves).expect("it can be written");
     let settings = ["--curriculum", "teach", "--seeds", "0"];
     toy(&folder.path().join("plain"), &settings);
     let expected = files(&folder.path().join("plain"), &OTHERS[..3]);
@@ -218,25 +225,13 @@ fn a_shadow_that_fails_is_silent_and_in_nobodys_way() {
     }
 }
 
-/// The same, but it hears of episodes slowly, for as long as it is asked, and does not start beside a file
-/// called `gone`.
-const SLOW: &str = r#"#!/bin/sh
-[ -e "$(dirname "$0")/gone" ] && exit 1
-while read -r line; do
-  case "$line" in
-    *'"type":"hello"'*) echo '{"type":"ready","protocol":1}' ;;
-    *'"type":"propose"'*) echo '{"type":"goal","goal":0}' ;;
-    *'"type":"save"'*) echo '{"type":"saved","state":""}' ;;
-    *) sleep 0.02; echo '{"type":"heard"}' ;;
-  esac
-done
-"#;
-
 #[test]
 fn a_shadow_that_cannot_be_built_again_is_silent_from_the_step_of_the_checkpoint_on() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (out, program) = (folder.path().join("out"), folder.path().join("slow.sh"));
-    fs::write(&program, SLOW).expect("it can be written");
+    // It hears of episodes slowly, and does not start beside a file called `gone`.
+    let slow = first_goal(r#"[ -e "$(dirname "$0")/gone" ] && exit 1"#, "sleep 0.02");
+    fs::write(&program, slow).expect("it can be written");
     let command = format!("curriculum.process.command=sh {}", program.display());
     let settings = ["--curriculum", "teach", "--seeds", "0", "--steps", "4000", "--shadow", "process"];
     let args = [&settings[..], &["--set", "evaluation.every=200", "--set", &command]].concat();
