@@ -15,13 +15,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use part::{PARTS, Part};
+use part::{PARTS, Part, report_of};
 use reports::store::layout;
 use support::{goalbench, stderr};
 use tables::{BEGIN, remade};
 
 /// Where this variable is set, the page's tables and its figure are written instead of compared.
 const UPDATE: &str = "GOALBENCH_UPDATE_DOCS";
+
+/// The archive of the hard task's runs, one of each method.
+const HARD: &str = "push";
+
+/// The page's figures: the part, its report's figure, the page's copy.
+const FIGURES: [(&str, &str, &str); 5] = [
+    ("laptop", "grid.png", "study.png"),
+    ("laptop-ablations", "ablation-window.png", "study-window.png"),
+    ("laptop-ablations", "ablation-interplay.png", "study-interplay.png"),
+    ("laptop-ablations", "ablation-confidence.png", "study-confidence.png"),
+    (HARD, "success-FetchPush.png", "study-push.png"),
+];
 
 /// The commit of the program that makes the runs.
 const PROGRAM: &str = "6923874e6af0";
@@ -74,20 +86,33 @@ fn the_page_says_what_the_data_say() {
     assert!(!page.contains(UNFINISHED) && page.contains(BEGIN), "all runs have ended");
     assert!(parts.iter().map(|part| part.bytes).sum::<u64>() < 10_000_000, "they fit into the repository");
     let reports: Vec<PathBuf> = parts.iter().map(Part::report).collect();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let hard = report_of(HARD, folder.path());
     let report = |name: &str| {
-        let index =
-            PARTS.iter().position(|part| *part == name).expect("tables are about a part of the study");
-        reports[index].as_path()
+        let part = PARTS.iter().position(|part| *part == name);
+        part.map_or_else(
+            || {
+                assert_eq!(name, HARD, "tables are about a part of the study");
+                hard.as_path()
+            },
+            |index| reports[index].as_path(),
+        )
     };
-    let (remade, figure) = (remade(&page, report), reports[0].join("figures/grid.png"));
+    let remade = remade(&page, report);
+    let figures =
+        FIGURES.map(|(part, figure, shown)| (report(part).join("figures").join(figure), doc(shown)));
     if std::env::var_os(UPDATE).is_some() {
         fs::write(doc("study.md"), &remade).expect("the page can be written");
-        fs::copy(&figure, doc("study.png")).expect("the figure can be written");
+        for (drawn, shown) in &figures {
+            fs::copy(drawn, shown).expect("the figure can be written");
+        }
     }
     let page = fs::read_to_string(doc("study.md")).expect("the study's page");
     assert_eq!(page, remade, "the page is old: run this test with {UPDATE}=1 once");
-    let [drawn, shown] = [figure, doc("study.png")].map(|path| fs::read(path).expect("a figure"));
-    assert!(drawn == shown, "the figure is old: run this test with {UPDATE}=1 once");
+    for (drawn, shown) in figures {
+        let same = fs::read(&drawn).expect("a figure") == fs::read(&shown).expect("a figure");
+        assert!(same, "{} is old: run this test with {UPDATE}=1 once", shown.display());
+    }
     parts.iter().for_each(recomputed);
 }
 
@@ -113,6 +138,10 @@ fn tables_of_a_page_say_what_the_report_says() {
         "area toy",
         "final toy",
         "steps toy",
+        "single toy",
+        "choice toy",
+        "mastery toy",
+        "price toy",
         "comparisons toy",
         "claims toy area-her-iid window",
         "beside toy her-iid",
@@ -139,6 +168,8 @@ fn tables_of_a_page_say_what_the_report_says() {
         let cell = format!("| TEACH | {mean:.3} ± {:.3} | {mean:.3} |", number(&format!("{measure}_std")));
         assert!(page.contains(&cell), "{cell} in\n{page}");
     }
+    let csv = fs::read_to_string(report.join("runs.csv")).expect("a table of the report");
+    assert_eq!(page.matches("| 400 |").count(), csv.lines().count() - 1, "every run has its row\n{page}");
     assert!(
         page.contains("| `area-her-iid` | **undecided** |") && page.contains("| `window` | **undecided** |"),
         "{page}"

@@ -27,7 +27,7 @@ pub(crate) struct Part {
 impl Part {
     /// The part `name`; `None` while none of it is there.
     pub(crate) fn unpack(name: &str) -> Option<Self> {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("study").join(name).with_extension("tar.zst");
+        let path = archive(name);
         let bytes = path.metadata().ok()?.len();
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = unpack_to(&path, &folder.path().join("results")).expect(name).store;
@@ -64,12 +64,28 @@ impl Part {
     /// Reports the part with the default options, which must go without a problem but for runs that failed.
     /// Gives the report's folder.
     pub(crate) fn report(&self) -> PathBuf {
-        let results = self.results();
-        let output = goalbench(&["report", results.to_str().expect("a test path is UTF-8")]);
-        let code = i32::from(!self.store.runs().iter().all(Run::is_finished));
-        assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
-        results.join("report")
+        report(&self.results(), &self.store)
     }
+}
+
+/// The archive `name` of the study.
+fn archive(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("study").join(name).with_extension("tar.zst")
+}
+
+/// Unpacks the archive `name`, whose runs belong to no preset, below `folder` and reports it. Gives the
+/// report's folder.
+pub(crate) fn report_of(name: &str, folder: &Path) -> PathBuf {
+    let results = folder.join(name);
+    let store = unpack_to(&archive(name), &results).expect(name).store;
+    report(&results, &store)
+}
+
+fn report(results: &Path, store: &Store) -> PathBuf {
+    let output = goalbench(&["report", results.to_str().expect("a test path is UTF-8")]);
+    let code = i32::from(!store.runs().iter().all(Run::is_finished));
+    assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
+    results.join("report")
 }
 
 /// That every value of the config `run` is that of `planned`, which may have fields that are younger.

@@ -37,13 +37,23 @@ pub(crate) fn remade<'a>(page: &str, report: impl Fn(&str) -> &'a Path) -> Strin
 /// The lines of a table of this kind. `ids` are claims, where it is about claims.
 fn table(kind: &str, report: &Path, ids: &[&str]) -> Vec<String> {
     match kind {
-        "area" => by_environment(report, |row| spread(row, "auc_mean", "auc_std"), Some("auc_mean")),
-        "final" => by_environment(report, |row| spread(row, "final_mean", "final_std"), Some("final_mean")),
-        "steps" => by_environment(
-            report,
-            |row| format!("{} / {}", count(row.number("steps_to_50")), count(row.number("steps_to_80"))),
-            None,
-        ),
+        "area" => spreads(report, "auc"),
+        "final" => spreads(report, "final"),
+        "steps" => by_environment(report, "summary", |row| {
+            format!("{} / {}", count(row.number("steps_to_50")), count(row.number("steps_to_80")))
+        }),
+        "choice" => by_environment(report, "teaching", |row| {
+            let goals = row.number("effective_goals").map(|goals| format!("{goals:.0}"));
+            goals.unwrap_or_else(|| "–".to_owned())
+        }),
+        "mastery" => {
+            by_environment(report, "teaching", |row| signed(row.number("score_success_correlation")))
+        }
+        "price" => by_environment(report, "costs", |row| {
+            let share = row.number("teacher_hours").zip(row.number("wall_hours"));
+            share.map_or_else(|| "–".to_owned(), |(teacher, wall)| format!("{:.0} %", 100.0 * teacher / wall))
+        }),
+        "single" => single(report),
         "comparisons" => comparisons(report),
         "beside" => besides(report, ids),
         "claims" => claims(report, ids),
@@ -52,9 +62,19 @@ fn table(kind: &str, report: &Path, ids: &[&str]) -> Vec<String> {
     }
 }
 
+/// Mean and standard deviation of `measure` over seeds, and the mean of the means over environments.
+fn spreads(report: &Path, measure: &str) -> Vec<String> {
+    let (mean, std) = (format!("{measure}_mean"), format!("{measure}_std"));
+    let cell = |row: Row<'_>| format!("{} ± {}", rate(row.number(&mean)), rate(row.number(&std)));
+    grid(&Sheet::read(report, "summary"), cell, Some(&mean))
+}
+
+fn by_environment(report: &Path, sheet: &str, cell: impl Fn(Row<'_>) -> String) -> Vec<String> {
+    grid(&Sheet::read(report, sheet), cell, None)
+}
+
 /// A row per method, a column per environment, and one for the mean of `average` over them.
-fn by_environment(report: &Path, cell: impl Fn(Row<'_>) -> String, average: Option<&str>) -> Vec<String> {
-    let sheet = Sheet::read(report, "summary");
+fn grid(sheet: &Sheet, cell: impl Fn(Row<'_>) -> String, average: Option<&str>) -> Vec<String> {
     let (mut environments, mut methods) = (Vec::new(), Vec::new());
     for row in sheet.rows() {
         keep(&mut environments, row.text("environment"));
@@ -81,6 +101,23 @@ fn by_environment(report: &Path, cell: impl Fn(Row<'_>) -> String, average: Opti
         cells
     });
     markdown(&head, body)
+}
+
+/// One run of each method: numbers without a spread.
+fn single(report: &Path) -> Vec<String> {
+    let head = ["", "training steps", "area", "final success", "steps to 50 %", "steps to 80 %"];
+    let sheet = Sheet::read(report, "runs");
+    let body = sheet.rows().map(|row| {
+        vec![
+            method(row),
+            count(row.number("step")),
+            rate(row.number("auc")),
+            rate(row.number("final_success")),
+            count(row.number("steps_to_50")),
+            count(row.number("steps_to_80")),
+        ]
+    });
+    markdown(&head.map(str::to_owned), body)
 }
 
 /// Methods against the first one, in single environments.
@@ -235,10 +272,6 @@ fn method(row: Row<'_>) -> String {
 
 fn title(curriculum: &str) -> String {
     Registry::builtin().curriculum(curriculum).expect("a curriculum of the registry").title.to_owned()
-}
-
-fn spread(row: Row<'_>, mean: &str, std: &str) -> String {
-    format!("{} ± {}", rate(row.number(mean)), rate(row.number(std)))
 }
 
 fn interval(row: Row<'_>, low: &str, high: &str) -> String {
