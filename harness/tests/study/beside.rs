@@ -35,10 +35,10 @@ pub(crate) struct Beside {
     pub(crate) units: usize,
 }
 
-/// The area of TEACH less that of `other` in every set of runs, and the mean rank correlation of one seed's
+/// The area of `ours` less that of `other` in every set of runs, and the mean rank correlation of one seed's
 /// differences over pairs of mazes.
-pub(crate) fn beside(report: &Path, other: &str) -> (Vec<Beside>, Option<f64>) {
-    let all = Scores::areas(report).differences("teach", other);
+pub(crate) fn beside(report: &Path, ours: &str, other: &str) -> (Vec<Beside>, Option<f64>) {
+    let all = Scores::areas(report).differences(ours, other);
     let is_maze = |environment: &str| environment.starts_with("Maze");
     let mazes = kept(&all, |environment, _| is_maze(environment));
     let unknown = kept(&all, |_, seed| seed >= KNOWN);

@@ -144,7 +144,7 @@ fn tables_of_a_page_say_what_the_report_says() {
         "price toy",
         "comparisons toy",
         "claims toy area-her-iid window",
-        "beside toy her-iid",
+        "beside toy teach her-iid",
     ];
     let empty: Vec<String> = kinds
         .iter()

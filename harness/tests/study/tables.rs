@@ -165,12 +165,14 @@ fn claims(report: &Path, ids: &[&str]) -> Vec<String> {
     markdown(&head.map(str::to_owned), body)
 }
 
-/// What stands beside the verdicts on area, against each of `others`.
-fn besides(report: &Path, others: &[&str]) -> Vec<String> {
-    let head = ["TEACH against", "runs", "difference", "98.75 %", "ahead", "p (signs)", "units"];
+/// What stands beside the verdicts on area: the first of `curricula` against each of the others.
+fn besides(report: &Path, curricula: &[&str]) -> Vec<String> {
+    let [ours, others @ ..] = curricula else { panic!("the table needs a first curriculum") };
+    let against = format!("{} against", title(ours));
+    let head = [&against, "runs", "difference", "98.75 %", "ahead", "p (signs)", "units"];
     let mut body = Vec::new();
     for other in others {
-        let (rows, correlation) = beside(report, other);
+        let (rows, correlation) = beside(report, ours, other);
         body.extend(rows.into_iter().map(|row| {
             vec![
                 title(other),
@@ -190,33 +192,28 @@ fn besides(report: &Path, others: &[&str]) -> Vec<String> {
     markdown(&head.map(str::to_owned), body.into_iter())
 }
 
-/// Claims about baselines under every reading of the paper.
+/// Claims about baselines under every reading of the paper, and what each comes to under all of a family.
 fn readings(report: &Path, ids: &[&str]) -> Vec<String> {
     let head = ["claim", "reading", "verdict", "effect", "interval", "level", "pairs ahead", "p (signs)"];
     let sheet = Sheet::read(report, "readings");
-    let (mut claim, mut body) = (String::new(), Vec::new());
-    for row in sheet.rows() {
-        // What a claim comes to under all readings follows them, without its name.
-        let is_remark = row.text("claim").is_empty();
-        if !is_remark {
-            claim = row.text("claim");
+    let mut body = Vec::new();
+    for id in ids {
+        let here: Vec<Row<'_>> = sheet.rows().filter(|row| row.text("claim") == *id).collect();
+        assert!(!here.is_empty(), "the readings have {id}");
+        for family in here.chunk_by(|one, next| one.text("family") == next.text("family")) {
+            let name = family[0].text("family");
+            let at = if name.is_empty() { name } else { format!(" (at {name})") };
+            body.extend(family.iter().map(|row| {
+                let reading = format!("{}: {}{at}", count(row.number("reading")), row.text("settings"));
+                let mut cells = vec![format!("`{id}`"), reading, format!("**{}**", row.text("verdict"))];
+                cells.extend(effect(*row));
+                cells
+            }));
+            let mut cells = vec![format!("`{id}`"), format!("*all{at}: {}*", family[0].text("conclusion"))];
+            cells.extend([const { String::new() }; 6]);
+            body.push(cells);
         }
-        if !ids.contains(&claim.as_str()) {
-            continue;
-        }
-        let family = row.text("family");
-        let at = if family.is_empty() { family } else { format!(" (at {family})") };
-        let (reading, effect) = if is_remark {
-            (format!("all together{at}"), [const { String::new() }; 5])
-        } else {
-            (format!("{}{at}", row.text("settings")), effect(row))
-        };
-        let mut cells = vec![format!("`{claim}`"), reading, format!("**{}**", row.text("verdict"))];
-        cells.extend(effect);
-        body.push(cells);
     }
-    let found = |id: &&str| body.iter().any(|cells| cells[0] == format!("`{id}`"));
-    assert!(ids.iter().all(found), "the readings have all of {ids:?}");
     markdown(&head.map(str::to_owned), body.into_iter())
 }
 
