@@ -1,4 +1,5 @@
-//! What stands beside the registered verdicts on area: other sets of runs, and whole seeds as units.
+//! What stands beside the registered verdicts: other sets of runs, whole seeds as units, and comparisons
+//! that the ledger lacks.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,17 +7,29 @@ use std::path::Path;
 use reports::analysis::scores::area;
 use reports::stats::{Resampling, SignFlip, mean, sign_flip, spearman};
 
-use crate::sheet::Sheet;
+use crate::sheet::{Row, Sheet};
 
 /// Seeds whose first steps were known before the study.
 const KNOWN: u64 = 12;
+/// Evaluations that a final success is the mean of, as in a report with default options.
+const WINDOW: usize = 5;
 /// Smaller differences are ties, as in the ledger: areas are sums, whose order leaves a rounding error.
 const TIE: f64 = 1e-12;
 /// Coverage of the intervals: the level 0.05 shared by four primary claims.
 const CONFIDENCE: f64 = 1.0 - 0.05 / 4.0;
 
-/// A number of every run with default settings, by environment and curriculum and then by seed.
-struct Scores(BTreeMap<(String, String), BTreeMap<u64, f64>>);
+/// What a run is judged by.
+#[derive(Clone, Copy)]
+pub(crate) enum Measure {
+    Area,
+    Final,
+}
+
+/// Curriculum and variant.
+type Method<'a> = (&'a str, &'a str);
+
+/// A number of every run of one method, by environment and then by seed.
+pub(crate) struct Scores(BTreeMap<String, BTreeMap<u64, f64>>);
 
 /// (step, success rate) at every evaluation, by seed.
 type Curves = BTreeMap<u64, Vec<(u64, f64)>>;
@@ -26,7 +39,6 @@ type Differences = BTreeMap<String, BTreeMap<u64, f64>>;
 
 /// What a set of pairs says.
 pub(crate) struct Beside {
-    pub(crate) what: &'static str,
     pub(crate) difference: f64,
     pub(crate) interval: Option<(f64, f64)>,
     /// Share of units ahead, ties one half, mean over environments.
@@ -35,50 +47,92 @@ pub(crate) struct Beside {
     pub(crate) units: usize,
 }
 
-/// The area of `ours` less that of `other` in every set of runs, and the mean rank correlation of one seed's
-/// differences over pairs of mazes.
-pub(crate) fn beside(report: &Path, ours: &str, other: &str) -> (Vec<Beside>, Option<f64>) {
-    let all = Scores::areas(report).differences(ours, other);
-    let is_maze = |environment: &str| environment.starts_with("Maze");
+/// The area of `ours` less that of `other` in every set of runs, and with whole seeds as units.
+pub(crate) fn beside(report: &Path, ours: &str, other: &str) -> Vec<(&'static str, Beside)> {
+    let all = areas(report, ours, other);
     let mazes = kept(&all, |environment, _| is_maze(environment));
     let unknown = kept(&all, |_, seed| seed >= KNOWN);
-    let sets = [("all pairs", &all), ("mazes alone", &mazes), ("seeds from 12 on", &unknown)];
-    let rows =
-        sets.into_iter().filter(|(_, pairs)| !pairs.is_empty()).map(|(what, pairs)| by_pairs(what, pairs));
-    (rows.chain([by_seeds("whole seeds", &all)]).collect(), correlation(&mazes))
+    let sets = [("all pairs", &all), ("pairs on the mazes", &mazes), ("pairs of seeds from 12 on", &unknown)];
+    let rows = sets.into_iter().filter(|(_, pairs)| !pairs.is_empty());
+    let rows = rows.map(|(what, pairs)| (what, by_pairs(pairs)));
+    rows.chain([("whole seeds", by_seeds(&all))]).collect()
+}
+
+/// The rank correlations of one seed's differences in area between every two mazes.
+pub(crate) fn correlations(report: &Path, ours: &str, other: &str) -> Vec<(String, f64)> {
+    correlated(&kept(&areas(report, ours, other), |environment, _| is_maze(environment)))
+}
+
+/// The area of `ours` less that of `other` in single environments.
+pub(crate) fn each(report: &Path, ours: &str, other: &str) -> Vec<(String, Beside)> {
+    let all = areas(report, ours, other);
+    all.keys()
+        .map(|name| (name.clone(), by_pairs(&kept(&all, |environment, _| environment == name))))
+        .collect()
+}
+
+/// A method of one report less a method of another, over the environments and seeds that both have.
+pub(crate) fn less(measure: Measure, ours: (&Path, Method<'_>), other: (&Path, Method<'_>)) -> Beside {
+    let [ours, other] = [ours, other].map(|(report, method)| Scores::read(report, method, measure));
+    by_pairs(&ours.less(&other))
+}
+
+fn areas(report: &Path, ours: &str, other: &str) -> Differences {
+    let [ours, other] =
+        [ours, other].map(|curriculum| Scores::read(report, (curriculum, "default"), Measure::Area));
+    ours.less(&other)
+}
+
+fn is_maze(environment: &str) -> bool {
+    environment.starts_with("Maze")
 }
 
 impl Scores {
-    fn areas(report: &Path) -> Self {
-        let mut curves: BTreeMap<(String, String), Curves> = BTreeMap::new();
-        for row in Sheet::read(report, "records").rows().filter(|row| row.text("variant") == "default") {
+    fn read(report: &Path, (curriculum, variant): Method<'_>, measure: Measure) -> Self {
+        let mut curves: BTreeMap<String, Curves> = BTreeMap::new();
+        let sheet = Sheet::read(report, "records");
+        let ours = |row: &Row<'_>| row.text("curriculum") == curriculum && row.text("variant") == variant;
+        for row in sheet.rows().filter(ours) {
             let number = |column| row.number(column).expect("every evaluation has it");
-            let cell = curves.entry((row.text("environment"), row.text("curriculum"))).or_default();
+            let cell = curves.entry(row.text("environment")).or_default();
             cell.entry(number("seed") as u64)
                 .or_default()
                 .push((number("step") as u64, number("success_rate")));
         }
-        let areas = |cell: Curves| {
+        let scores = |cell: Curves| {
             let length = cell.values().map(Vec::len).max();
             assert!(
                 cell.values().all(|curve| Some(curve.len()) == length),
                 "runs that failed need their zeros"
             );
-            let area = |curve: Vec<(u64, f64)>| area(curve).expect("a curve spans the budget");
-            cell.into_iter().map(|(seed, curve)| (seed, area(curve))).collect()
+            cell.into_iter().map(|(seed, curve)| (seed, measure.of(curve))).collect()
         };
-        Self(curves.into_iter().map(|(key, cell)| (key, areas(cell))).collect())
+        Self(curves.into_iter().map(|(environment, cell)| (environment, scores(cell))).collect())
     }
 
-    fn differences(&self, a: &str, b: &str) -> Differences {
+    fn less(&self, other: &Self) -> Differences {
         let mut differences = Differences::new();
-        for ((environment, curriculum), ours) in &self.0 {
-            let theirs = self.0.get(&(environment.clone(), b.to_owned()));
-            let Some(theirs) = theirs.filter(|_| curriculum == a) else { continue };
+        for (environment, ours) in &self.0 {
+            let Some(theirs) = other.0.get(environment) else { continue };
             let pairs = ours.iter().filter_map(|(seed, our)| Some((*seed, our - theirs.get(seed)?)));
             differences.insert(environment.clone(), pairs.collect());
         }
         differences
+    }
+}
+
+impl Measure {
+    /// The measure of a curve, whose first evaluation is that of the untrained student.
+    fn of(self, curve: Vec<(u64, f64)>) -> f64 {
+        match self {
+            Self::Area => area(curve).expect("a curve spans the budget"),
+            Self::Final => {
+                let trained = &curve[1..];
+                let last: Vec<f64> =
+                    trained[trained.len().saturating_sub(WINDOW)..].iter().map(|point| point.1).collect();
+                mean(&last).expect("a run has evaluations")
+            }
+        }
     }
 }
 
@@ -94,23 +148,23 @@ fn kept(all: &Differences, keep: impl Fn(&str, u64) -> bool) -> Differences {
 }
 
 /// The test of the ledger: every pair a unit, every environment a stratum.
-fn by_pairs(what: &'static str, differences: &Differences) -> Beside {
+fn by_pairs(differences: &Differences) -> Beside {
     let strata: Vec<Vec<f64>> = differences.values().map(|pairs| pairs.values().copied().collect()).collect();
-    Beside::of(what, &strata)
+    Beside::of(&strata)
 }
 
 /// Every seed a unit: the mean of its differences over environments.
-fn by_seeds(what: &'static str, differences: &Differences) -> Beside {
+fn by_seeds(differences: &Differences) -> Beside {
     let mut seeds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for (seed, difference) in differences.values().flatten() {
         seeds.entry(*seed).or_default().push(*difference);
     }
     let means: Vec<f64> = seeds.values().filter_map(|values| mean(values)).collect();
-    Beside::of(what, &[means])
+    Beside::of(&[means])
 }
 
 impl Beside {
-    fn of(what: &'static str, strata: &[Vec<f64>]) -> Self {
+    fn of(strata: &[Vec<f64>]) -> Self {
         let test = |strata: &[Vec<f64>]| -> SignFlip {
             let resampling = Resampling { confidence: CONFIDENCE, ..Resampling::default() };
             sign_flip(&strata.iter().map(Vec::as_slice).collect::<Vec<_>>(), resampling).expect("pairs")
@@ -124,7 +178,6 @@ impl Beside {
         let signs: Vec<Vec<f64>> =
             strata.iter().map(|values| values.iter().copied().map(sign).collect()).collect();
         Self {
-            what,
             difference: over(&|value| value),
             interval: test(strata).interval,
             ahead: over(&|value| (sign(value) + 1.0) / 2.0),
@@ -134,20 +187,19 @@ impl Beside {
     }
 }
 
-/// The mean over pairs of environments of the rank correlation of their differences by seed; `None` for fewer
-/// than two environments.
-fn correlation(differences: &Differences) -> Option<f64> {
-    let places: Vec<&BTreeMap<u64, f64>> = differences.values().collect();
+/// The rank correlation of differences by seed between every two environments.
+fn correlated(differences: &Differences) -> Vec<(String, f64)> {
+    let places: Vec<(&String, &BTreeMap<u64, f64>)> = differences.iter().collect();
     let mut all = Vec::new();
-    for (index, a) in places.iter().enumerate() {
-        for b in &places[index + 1..] {
+    for (index, (one, a)) in places.iter().enumerate() {
+        for (other, b) in &places[index + 1..] {
             let both: Vec<(f64, f64)> =
                 a.iter().filter_map(|(seed, value)| Some((*value, *b.get(seed)?))).collect();
             let (a, b): (Vec<f64>, Vec<f64>) = both.into_iter().unzip();
-            all.extend(spearman(&a, &b));
+            all.extend(spearman(&a, &b).map(|correlation| (format!("{one}, {other}"), correlation)));
         }
     }
-    mean(&all)
+    all
 }
 
 #[cfg(test)]
@@ -164,16 +216,26 @@ mod tests {
     #[test]
     fn whole_seeds_by_hand() {
         let two = differences(&[("MazeA", &[0.1, 0.3, 0.2]), ("MazeB", &[0.3, -0.1, 0.2])]);
-        let by_seeds = by_seeds("", &two);
+        let by_seeds = by_seeds(&two);
         // Means 0.2, 0.1 and 0.2: all ahead, 2 of 8 flips as far from 0.
         assert!((by_seeds.difference - 0.5 / 3.0).abs() < 1e-12);
         assert_eq!((by_seeds.ahead, by_seeds.p_signs, by_seeds.units), (1.0, 0.25, 3));
-        let by_pairs = by_pairs("", &two);
+        let by_pairs = by_pairs(&two);
         assert!((by_pairs.difference - 0.5 / 3.0).abs() < 1e-12);
         assert!((by_pairs.ahead - 5.0 / 6.0).abs() < 1e-12 && by_pairs.units == 6);
         // Ranks 1, 3, 2 and 3, 1, 2.
-        assert_eq!(correlation(&two), Some(-1.0));
+        assert_eq!(correlated(&two), [("MazeA, MazeB".to_owned(), -1.0)]);
         assert_eq!(kept(&two, |place, seed| place == "MazeA" && seed > 0), differences_from(&two));
+    }
+
+    #[test]
+    fn a_curve_by_hand() {
+        let curve = || (0..8).map(|step| (step, if step < 4 { 0.0 } else { 1.0 })).collect();
+        // The last five are 0, 1, 1, 1, 1; the trapezoids are half of one and three whole ones, of seven.
+        assert!((Measure::Final.of(curve()) - 0.8).abs() < 1e-12);
+        assert!((Measure::Area.of(curve()) - 0.5).abs() < 1e-12);
+        let short = vec![(0, 1.0), (1, 0.0), (2, 0.5)];
+        assert!((Measure::Final.of(short) - 0.25).abs() < 1e-12, "the untrained student does not count");
     }
 
     fn differences_from(two: &Differences) -> Differences {

@@ -5,11 +5,14 @@
 #![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
 
 mod beside;
+mod cells;
+mod differences;
 mod part;
 mod sheet;
 #[path = "../support/mod.rs"]
 mod support;
 mod tables;
+mod verdicts;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -145,6 +148,9 @@ fn tables_of_a_page_say_what_the_report_says() {
         "comparisons toy",
         "claims toy area-her-iid window",
         "beside toy teach her-iid",
+        "pairs toy her-iid teach",
+        "each toy teach her-iid",
+        "across toy toy her-iid default",
     ];
     let empty: Vec<String> = kinds
         .iter()
@@ -171,9 +177,17 @@ fn tables_of_a_page_say_what_the_report_says() {
     let csv = fs::read_to_string(report.join("runs.csv")).expect("a table of the report");
     assert_eq!(page.matches("| 400 |").count(), csv.lines().count() - 1, "every run has its row\n{page}");
     assert!(
-        page.contains("| `area-her-iid` | **undecided** |") && page.contains("| `window` | **undecided** |"),
+        page.contains("| `area-her-iid`: TEACH learns faster than HER-IID")
+            && page.contains("| `window`: Final"),
         "{page}"
     );
-    assert!(page.contains("| HER-IID | TEACH | Point |"), "{page}");
+    assert!(page.contains("| HER-IID | Point |"), "{page}");
+    // The same pairs, whichever table they are in; the difference changes its sign with the order.
+    let ours = page.split("| HER-IID | all pairs | ").nth(1).and_then(|rest| rest.split(' ').next());
+    let ours = ours.expect("a difference");
+    assert!(page.contains(&format!("| `default` | {ours} |")), "{ours} in\n{page}");
+    assert!(page.contains(&format!("| HER-IID | {ours} ")), "{ours} in\n{page}");
+    let theirs = -ours.parse::<f64>().expect("a number");
+    assert!(page.contains(&format!("| HER-IID | TEACH | {theirs:+.3} |")), "{ours} in\n{page}");
     assert!(page.contains("| HER-IID | all pairs |") && page.contains("| HER-IID | whole seeds |"), "{page}");
 }

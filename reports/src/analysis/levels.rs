@@ -11,6 +11,8 @@ use crate::analysis::group::{Group, GroupKey};
 pub struct LevelVariant {
     /// Curriculum id.
     pub curriculum: String,
+    /// Which of the axes that the paper varies it lies on.
+    pub axis: usize,
     /// As in legends: `n = 3`.
     pub name: String,
     /// Label of the variant; `None` where every variant with this value stands for another one already.
@@ -25,7 +27,7 @@ pub struct LevelVariant {
 /// that departs in the fewest other fields, in whatever environment.
 pub fn levels(groups: &[Group<'_>], axes: &[Axis], ablations: &[Vec<Ablation<'_>>]) -> Vec<LevelVariant> {
     let mut all = Vec::new();
-    for (axis, ablations) in axes.iter().zip(ablations) {
+    for (place, (axis, ablations)) in axes.iter().zip(ablations).enumerate() {
         let mut found: Vec<Candidate<'_>> = Vec::new();
         for level in ablations.iter().flat_map(|ablation| &ablation.levels) {
             let Some(group) = groups.get(level.group) else { continue };
@@ -48,6 +50,7 @@ pub fn levels(groups: &[Group<'_>], axes: &[Axis], ablations: &[Vec<Ablation<'_>
             let known = of_axis.iter_mut().find(|level| is_it(level));
             let level = LevelVariant {
                 curriculum: id.to_owned(),
+                axis: place,
                 name: candidate.name.clone(),
                 variant: variant.filter(|_| !is_taken),
                 deviations: candidate.deviations,

@@ -72,27 +72,42 @@ impl Palette {
         let id = keys[0].curriculum.id.as_str();
         let levels = || levels.iter().filter(|level| level.curriculum == id);
         let plain = plain(keys, levels());
+        if let Some(variant) = plain {
+            self.variants.insert((id.to_owned(), variant.to_owned()), base);
+        }
         let others = keys.iter().map(|key| key.variant.as_str()).filter(|variant| Some(*variant) != plain);
-        let own: Vec<&LevelVariant> = levels().filter(|level| level.variant.is_none()).collect();
-        let count = others.clone().count() + own.len();
-        let mut varied = (0..count).map(|index| {
-            let look = free(shade(base.colour, index, count), index + 1, taken);
-            taken.push(look);
-            look
-        });
-        let known: Vec<(&str, Look)> =
-            plain.map(|variant| (variant, base)).into_iter().chain(others.zip(&mut varied)).collect();
-        for (level, look) in own.into_iter().zip(varied) {
-            self.levels.insert((id.to_owned(), level.name.clone()), look);
+        let curves = others.map(|variant| Curve::Variant(variant, levels().collect()));
+        let own = levels().filter(|level| level.variant.is_none());
+        let mut curves: Vec<Curve<'_>> = curves.chain(own.map(Curve::Level)).collect();
+        // Stable: those of an axis come together, those on none at the end.
+        curves.sort_by_key(Curve::main_axis);
+        let (mut index, mut placed) = (0, Vec::<(Vec<usize>, Look)>::new());
+        for together in curves.chunk_by(|a, b| a.main_axis() == b.main_axis()) {
+            for (place, curve) in together.iter().enumerate() {
+                index += 1;
+                let axes = curve.axes();
+                let is_beside =
+                    |(others, _): &&(Vec<usize>, Look)| others.iter().any(|axis| axes.contains(axis));
+                let beside: Vec<Look> = [base]
+                    .into_iter()
+                    .chain(placed.iter().filter(is_beside).map(|(_, look)| *look))
+                    .collect();
+                let look = free(shade(base.colour, place, together.len()), index, taken, &beside);
+                taken.push(look);
+                placed.push((axes, look));
+                let (looks, name) = match curve {
+                    Curve::Variant(name, _) => (&mut self.variants, (*name).to_owned()),
+                    Curve::Level(level) => (&mut self.levels, level.name.clone()),
+                };
+                looks.insert((id.to_owned(), name), look);
+            }
         }
         for level in levels() {
-            let stands = |(variant, _): &&(&str, Look)| level.variant.as_deref() == Some(*variant);
-            if let Some((_, look)) = known.iter().find(stands) {
+            let variant = level.variant.as_ref().map(|variant| (id.to_owned(), variant.clone()));
+            if let Some(look) = variant.and_then(|variant| self.variants.get(&variant)) {
                 self.levels.insert((id.to_owned(), level.name.clone()), *look);
             }
         }
-        self.variants
-            .extend(known.into_iter().map(|(variant, look)| ((id.to_owned(), variant.to_owned()), look)));
     }
 
     /// The look of a curve whose key the palette was made with.
@@ -105,6 +120,35 @@ impl Palette {
     pub(super) fn level(&self, key: &GroupKey) -> Look {
         let found = self.levels.get(&(key.curriculum.id.clone(), key.variant.clone()));
         found.copied().unwrap_or_else(|| self.look(key))
+    }
+}
+
+/// A curve of a curriculum beside its plain one.
+enum Curve<'a> {
+    /// A variant, by its label, with all levels of its curriculum.
+    Variant(&'a str, Vec<&'a LevelVariant>),
+    /// A level that no variant stands for.
+    Level(&'a LevelVariant),
+}
+
+impl Curve<'_> {
+    /// The axes whose figures show it; one past all of them for a variant that lies on none.
+    fn axes(&self) -> Vec<usize> {
+        let axes: Vec<usize> = self.levels().map(|level| level.axis).collect();
+        if axes.is_empty() { vec![usize::MAX] } else { axes }
+    }
+
+    /// The axis along which it departs from the paper's own value.
+    fn main_axis(&self) -> usize {
+        self.levels().find(|level| !level.is_reference).map_or(usize::MAX, |level| level.axis)
+    }
+
+    fn levels(&self) -> impl Iterator<Item = &LevelVariant> {
+        let (levels, name) = match self {
+            Self::Variant(name, levels) => (levels.as_slice(), Some(*name)),
+            Self::Level(level) => (std::slice::from_ref(level), None),
+        };
+        levels.iter().copied().filter(move |level| level.variant.as_deref() == name)
     }
 }
 
@@ -130,17 +174,20 @@ fn bases<'a>(methods: impl Iterator<Item = &'a MethodInfo> + Clone, taken: &mut 
     });
     let own: Vec<Option<Look>> = own.collect();
     let mut next = 0..;
-    let other = |look: Option<Look>| {
+    let other = |(method, look): (&MethodInfo, Option<Look>)| {
         look.unwrap_or_else(|| {
+            // A guest keeps the hue of its method.
+            let own =
+                method.look.filter(|_| method.origin.is_some()).map(|own| free(own.colour, 1, taken, &[]));
             let spare = FALLBACK.iter().find(|look| taken.iter().all(|other| differences(look, other) > 0));
             let index: usize = next.next().unwrap_or(0);
             let hue = FALLBACK[index % FALLBACK.len()].colour;
-            let look = spare.copied().unwrap_or_else(|| free(hue, index, taken));
+            let look = own.or(spare.copied()).unwrap_or_else(|| free(hue, index, taken, &[]));
             taken.push(look);
             look
         })
     };
-    own.into_iter().map(other).collect()
+    methods.zip(own).map(other).collect()
 }
 
 /// In how many of colour, dashes and marker two looks differ.
@@ -151,20 +198,23 @@ fn differences(a: &Look, b: &Look) -> usize {
 }
 
 /// A look of this colour that differs from all `taken` ones in two things, or else in one, and from all that
-/// can be told apart no longer at least as far as numbers go. Dashes and markers are tried from number
-/// `index` on.
-fn free(colour: Rgb, index: usize, taken: &[Look]) -> Look {
+/// can be told apart no longer at least as far as numbers go. If possible it has neither the dashes nor the
+/// marker of one that stands `beside` it. Dashes and markers are tried from number `index` on.
+fn free(colour: Rgb, index: usize, taken: &[Look], beside: &[Look]) -> Look {
     let candidates = (0..DASHES.len() * MARKERS.len()).map(|shift| Look {
         colour,
         dash: DASHES[(index + shift) % DASHES.len()],
         marker: MARKERS[(index + shift + shift / DASHES.len()) % MARKERS.len()],
     });
-    let apart = |fewest: usize| {
-        candidates.clone().find(|look| taken.iter().all(|other| differences(look, other) >= fewest))
+    let is_apart = |look: &Look, fewest| taken.iter().all(|other| differences(look, other) >= fewest);
+    let apart = |fewest: usize| candidates.clone().find(|look| is_apart(look, fewest));
+    let stands_out = |look: &Look| {
+        beside.iter().all(|other| look.dash != other.dash && look.marker != other.marker) && is_apart(look, 1)
     };
+    let mut outstanding = candidates.clone().filter(stands_out);
     let unequal = || candidates.clone().find(|look| !taken.contains(look));
     let first = Look { colour, dash: DASHES[index % DASHES.len()], marker: MARKERS[index % MARKERS.len()] };
-    apart(2).or_else(|| apart(1)).or_else(unequal).unwrap_or(first)
+    outstanding.next().or_else(|| apart(2)).or_else(|| apart(1)).or_else(unequal).unwrap_or(first)
 }
 
 /// The colour of variant `index` of `count`.
@@ -203,6 +253,7 @@ mod tests {
     fn level(name: &str, variant: Option<&str>, is_reference: bool) -> LevelVariant {
         LevelVariant {
             curriculum: "nova".into(),
+            axis: usize::from(name.starts_with('Δ')),
             name: name.into(),
             variant: variant.map(str::to_owned),
             deviations: 0,
@@ -268,6 +319,48 @@ mod tests {
         let palette = Palette::with_levels(&with_default, &levels[..1]);
         assert_eq!(palette.look(&with_default[0]), LOOK);
         assert_ne!(palette.level(&key("A", "nova", "n = 10")), LOOK);
+    }
+
+    #[test]
+    fn levels_of_one_axis_share_neither_dashes_nor_markers() {
+        let mut variants: Vec<String> = (0..10).map(|index| format!("other{index}")).collect();
+        let axes = [("n", ["3", "5", "20"]), ("Δ", ["5", "10", "50"])];
+        let mut levels = vec![level("n = 10", Some("default"), true)];
+        for (axis, values) in axes {
+            for value in values {
+                variants.push(format!("{axis}{value}"));
+                levels.push(level(&format!("{axis} = {value}"), variants.last().map(String::as_str), false));
+            }
+        }
+        // The second axis departs from a variant that lies on the first.
+        levels.push(level("Δ = 1", Some("n3"), true));
+        let keys: Vec<GroupKey> = [key("A", "nova", "default")]
+            .into_iter()
+            .chain(variants.iter().map(|variant| key("A", "nova", variant)))
+            .collect();
+        let palette = Palette::with_levels(&keys, &levels);
+        all_differ(&palette, &keys);
+        for (axis, values) in axes {
+            let first = if axis == "n" { "default" } else { "n3" };
+            let mut looks = vec![palette.look(&key("A", "nova", first))];
+            looks.extend(values.map(|value| palette.level(&key("A", "nova", &format!("{axis} = {value}")))));
+            for (index, look) in looks.iter().enumerate() {
+                for other in &looks[..index] {
+                    assert!(look.dash != other.dash && look.marker != other.marker, "{axis}: {looks:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_guest_has_the_colour_of_its_method() {
+        let mut catalogue = Catalogue::of([MethodInfo::new("nova", "NOVA", Some(LOOK))]);
+        catalogue.add_guest("nova", "nova@theirs", "theirs");
+        let [own, guest] = ["nova", "nova@theirs"].map(|id| GroupKey::new(&catalogue, "A", id, "default"));
+        assert_eq!(Palette::new([&guest]).look(&guest), LOOK);
+        let both = Palette::new([&own, &guest]);
+        assert_eq!((both.look(&own), both.look(&guest).colour), (LOOK, LOOK.colour));
+        assert!(differences(&both.look(&own), &both.look(&guest)) > 1);
     }
 
     #[test]
