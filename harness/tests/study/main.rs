@@ -90,7 +90,7 @@ fn the_page_says_what_the_data_say() {
     assert!(parts.iter().map(|part| part.bytes).sum::<u64>() < 10_000_000, "they fit into the repository");
     let reports: Vec<PathBuf> = parts.iter().map(Part::report).collect();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let hard = report_of(HARD, folder.path());
+    let (hard, hard_sha256) = report_of(HARD, folder.path());
     let report = |name: &str| {
         let part = PARTS.iter().position(|part| *part == name);
         part.map_or_else(
@@ -115,6 +115,9 @@ fn the_page_says_what_the_data_say() {
     for (drawn, shown) in figures {
         let same = fs::read(&drawn).expect("a figure") == fs::read(&shown).expect("a figure");
         assert!(same, "{} is old: run this test with {UPDATE}=1 once", shown.display());
+    }
+    for sha256 in parts.iter().map(|part| &part.sha256).chain([&hard_sha256]) {
+        assert!(page.contains(sha256), "the page names the archives by their checksums: {sha256}");
     }
     parts.iter().for_each(recomputed);
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use goalbench::Registry;
-use goalbench::archive::unpack_to;
+use goalbench::archive::{Unpacked, unpack_to};
 use goalbench::protocol::plan::{Plan, PlannedRun};
 use goalbench::protocol::presets::PRESETS;
 use reports::store::{Run, Store};
@@ -20,6 +20,8 @@ pub(crate) const PARTS: [&str; 2] = ["laptop", "laptop-ablations"];
 pub(crate) struct Part {
     pub(crate) store: Store,
     pub(crate) bytes: u64,
+    /// SHA-256 of its archive.
+    pub(crate) sha256: String,
     plan: BTreeMap<String, PlannedRun>,
     folder: TempDir,
 }
@@ -30,13 +32,13 @@ impl Part {
         let path = archive(name);
         let bytes = path.metadata().ok()?.len();
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let store = unpack_to(&path, &folder.path().join("results")).expect(name).store;
+        let Unpacked { store, sha256, .. } = unpack_to(&path, &folder.path().join("results")).expect(name);
         let registry = Registry::builtin();
         let preset = PRESETS.iter().find(|preset| preset.id == name).expect("a preset for every part");
         let protocol = preset.protocol(&registry).expect("a preset is valid");
         let runs = Plan::new(&protocol, &registry).expect("a preset is a plan").runs;
         let plan = runs.into_iter().map(|run| (run.key.to_string(), run)).collect();
-        Some(Self { store, bytes, plan, folder })
+        Some(Self { store, bytes, sha256, plan, folder })
     }
 
     /// Whether all runs that were planned are there.
@@ -74,11 +76,11 @@ fn archive(name: &str) -> PathBuf {
 }
 
 /// Unpacks the archive `name`, whose runs belong to no preset, below `folder` and reports it. Gives the
-/// report's folder.
-pub(crate) fn report_of(name: &str, folder: &Path) -> PathBuf {
+/// report's folder and the archive's SHA-256.
+pub(crate) fn report_of(name: &str, folder: &Path) -> (PathBuf, String) {
     let results = folder.join(name);
-    let store = unpack_to(&archive(name), &results).expect(name).store;
-    report(&results, &store)
+    let Unpacked { store, sha256, .. } = unpack_to(&archive(name), &results).expect(name);
+    (report(&results, &store), sha256)
 }
 
 fn report(results: &Path, store: &Store) -> PathBuf {

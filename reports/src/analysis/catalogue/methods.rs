@@ -25,8 +25,7 @@ impl MethodInfo {
         Self { id: id.into(), title: title.into(), look, origin: None, rank: usize::MAX }
     }
 
-    /// The method as runs of the archive `origin` have it, under the curriculum id `id`. It looks the same, as
-    /// long as nothing else does.
+    /// The method as runs of the archive `origin` have it, under the curriculum id `id`, with the same look.
     pub(super) fn of_guest(&self, id: &str, origin: &str) -> Self {
         let title = format!("{} [{origin}]", self.title);
         Self { id: id.to_owned(), title, origin: Some(origin.to_owned()), ..self.clone() }
