@@ -2,17 +2,17 @@
 //! that the ledger lacks.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
+use reports::ReportOptions;
 use reports::analysis::scores::area;
 use reports::stats::{Resampling, SignFlip, mean, sign_flip, spearman};
 
 use crate::sheet::{Row, Sheet};
 
+/// The variant with a method's default settings.
+pub(crate) const DEFAULT: &str = "default";
 /// Seeds whose first steps were known before the study.
 const KNOWN: u64 = 12;
-/// Evaluations that a final success is the mean of, as in a report with default options.
-const WINDOW: usize = 5;
 /// Smaller differences are ties, as in the ledger: areas are sums, whose order leaves a rounding error.
 const TIE: f64 = 1e-12;
 /// Coverage of the intervals: the level 0.05 shared by four primary claims.
@@ -48,8 +48,8 @@ pub(crate) struct Beside {
 }
 
 /// The area of `ours` less that of `other` in every set of runs, and with whole seeds as units.
-pub(crate) fn beside(report: &Path, ours: &str, other: &str) -> Vec<(&'static str, Beside)> {
-    let all = areas(report, ours, other);
+pub(crate) fn beside(records: &Sheet, ours: &str, other: &str) -> Vec<(&'static str, Beside)> {
+    let all = areas(records, ours, other);
     let mazes = kept(&all, |environment, _| is_maze(environment));
     let unknown = kept(&all, |_, seed| seed >= KNOWN);
     let sets = [("all pairs", &all), ("pairs on the mazes", &mazes), ("pairs of seeds from 12 on", &unknown)];
@@ -59,27 +59,27 @@ pub(crate) fn beside(report: &Path, ours: &str, other: &str) -> Vec<(&'static st
 }
 
 /// The rank correlations of one seed's differences in area between every two mazes.
-pub(crate) fn correlations(report: &Path, ours: &str, other: &str) -> Vec<(String, f64)> {
-    correlated(&kept(&areas(report, ours, other), |environment, _| is_maze(environment)))
+pub(crate) fn correlations(records: &Sheet, ours: &str, other: &str) -> Vec<(String, f64)> {
+    correlated(&kept(&areas(records, ours, other), |environment, _| is_maze(environment)))
 }
 
 /// The area of `ours` less that of `other` in single environments.
-pub(crate) fn each(report: &Path, ours: &str, other: &str) -> Vec<(String, Beside)> {
-    let all = areas(report, ours, other);
+pub(crate) fn each(records: &Sheet, ours: &str, other: &str) -> Vec<(String, Beside)> {
+    let all = areas(records, ours, other);
     all.keys()
         .map(|name| (name.clone(), by_pairs(&kept(&all, |environment, _| environment == name))))
         .collect()
 }
 
-/// A method of one report less a method of another, over the environments and seeds that both have.
-pub(crate) fn less(measure: Measure, ours: (&Path, Method<'_>), other: (&Path, Method<'_>)) -> Beside {
-    let [ours, other] = [ours, other].map(|(report, method)| Scores::read(report, method, measure));
+/// A method in the records of one report less a method in those of another, over the environments and seeds that both have.
+pub(crate) fn less(measure: Measure, ours: (&Sheet, Method<'_>), other: (&Sheet, Method<'_>)) -> Beside {
+    let [ours, other] = [ours, other].map(|(records, method)| Scores::of(records, method, measure));
     by_pairs(&ours.less(&other))
 }
 
-fn areas(report: &Path, ours: &str, other: &str) -> Differences {
+fn areas(records: &Sheet, ours: &str, other: &str) -> Differences {
     let [ours, other] =
-        [ours, other].map(|curriculum| Scores::read(report, (curriculum, "default"), Measure::Area));
+        [ours, other].map(|curriculum| Scores::of(records, (curriculum, DEFAULT), Measure::Area));
     ours.less(&other)
 }
 
@@ -88,11 +88,10 @@ fn is_maze(environment: &str) -> bool {
 }
 
 impl Scores {
-    fn read(report: &Path, (curriculum, variant): Method<'_>, measure: Measure) -> Self {
+    fn of(records: &Sheet, (curriculum, variant): Method<'_>, measure: Measure) -> Self {
         let mut curves: BTreeMap<String, Curves> = BTreeMap::new();
-        let sheet = Sheet::read(report, "records");
         let ours = |row: &Row<'_>| row.text("curriculum") == curriculum && row.text("variant") == variant;
-        for row in sheet.rows().filter(ours) {
+        for row in records.rows().filter(ours) {
             let number = |column| row.number(column).expect("every evaluation has it");
             let cell = curves.entry(row.text("environment")).or_default();
             cell.entry(number("seed") as u64)
@@ -127,9 +126,8 @@ impl Measure {
         match self {
             Self::Area => area(curve).expect("a curve spans the budget"),
             Self::Final => {
-                let trained = &curve[1..];
-                let last: Vec<f64> =
-                    trained[trained.len().saturating_sub(WINDOW)..].iter().map(|point| point.1).collect();
+                let window = ReportOptions::default().window;
+                let last: Vec<f64> = curve[1..].iter().rev().take(window).map(|point| point.1).collect();
                 mean(&last).expect("a run has evaluations")
             }
         }
