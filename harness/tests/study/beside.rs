@@ -71,7 +71,8 @@ pub(crate) fn each(records: &Sheet, ours: &str, other: &str) -> Vec<(String, Bes
         .collect()
 }
 
-/// A method in the records of one report less a method in those of another, over the environments and seeds that both have.
+/// A method in the records of one report less a method in those of another, over the environments and seeds
+/// that both have.
 pub(crate) fn less(measure: Measure, ours: (&Sheet, Method<'_>), other: (&Sheet, Method<'_>)) -> Beside {
     let [ours, other] = [ours, other].map(|(records, method)| Scores::of(records, method, measure));
     by_pairs(&ours.less(&other))

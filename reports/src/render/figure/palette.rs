@@ -76,9 +76,13 @@ impl Palette {
             self.variants.insert((id.to_owned(), variant.to_owned()), base);
         }
         let others = keys.iter().map(|key| key.variant.as_str()).filter(|variant| Some(*variant) != plain);
-        let curves = others.map(|variant| Curve::Variant(variant, levels().collect()));
+        let variants = others.map(|name| {
+            let levels = levels().filter(|level| level.variant.as_deref() == Some(name));
+            Curve { name, is_level: false, levels: levels.collect() }
+        });
         let own = levels().filter(|level| level.variant.is_none());
-        let mut curves: Vec<Curve<'_>> = curves.chain(own.map(Curve::Level)).collect();
+        let own = own.map(|level| Curve { name: &level.name, is_level: true, levels: vec![level] });
+        let mut curves: Vec<Curve<'_>> = variants.chain(own).collect();
         // Stable: those of an axis come together, those on none at the end.
         curves.sort_by_key(Curve::main_axis);
         let (mut index, mut placed) = (0, Vec::<(Vec<usize>, Look)>::new());
@@ -95,11 +99,8 @@ impl Palette {
                 let look = free(shade(base.colour, place, together.len()), index, taken, &beside);
                 taken.push(look);
                 placed.push((axes, look));
-                let (looks, name) = match curve {
-                    Curve::Variant(name, _) => (&mut self.variants, (*name).to_owned()),
-                    Curve::Level(level) => (&mut self.levels, level.name.clone()),
-                };
-                looks.insert((id.to_owned(), name), look);
+                let looks = if curve.is_level { &mut self.levels } else { &mut self.variants };
+                looks.insert((id.to_owned(), curve.name.to_owned()), look);
             }
         }
         for level in levels() {
@@ -123,32 +124,24 @@ impl Palette {
     }
 }
 
-/// A curve of a curriculum beside its plain one.
-enum Curve<'a> {
-    /// A variant, by its label, with all levels of its curriculum.
-    Variant(&'a str, Vec<&'a LevelVariant>),
-    /// A level that no variant stands for.
-    Level(&'a LevelVariant),
+/// A curve of a curriculum beside its plain one: a variant, or a level that no variant stands for.
+struct Curve<'a> {
+    name: &'a str,
+    is_level: bool,
+    /// The levels that it is drawn for.
+    levels: Vec<&'a LevelVariant>,
 }
 
 impl Curve<'_> {
     /// The axes whose figures show it; one past all of them for a variant that lies on none.
     fn axes(&self) -> Vec<usize> {
-        let axes: Vec<usize> = self.levels().map(|level| level.axis).collect();
+        let axes: Vec<usize> = self.levels.iter().map(|level| level.axis).collect();
         if axes.is_empty() { vec![usize::MAX] } else { axes }
     }
 
     /// The axis along which it departs from the paper's own value.
     fn main_axis(&self) -> usize {
-        self.levels().find(|level| !level.is_reference).map_or(usize::MAX, |level| level.axis)
-    }
-
-    fn levels(&self) -> impl Iterator<Item = &LevelVariant> {
-        let (levels, name) = match self {
-            Self::Variant(name, levels) => (levels.as_slice(), Some(*name)),
-            Self::Level(level) => (std::slice::from_ref(level), None),
-        };
-        levels.iter().copied().filter(move |level| level.variant.as_deref() == name)
+        self.levels.iter().find(|level| !level.is_reference).map_or(usize::MAX, |level| level.axis)
     }
 }
 
