@@ -54,6 +54,17 @@ pub enum ReportError {
         /// Why not.
         reason: String,
     },
+    /// A file in the place of one of the report's that no report wrote.
+    #[error(
+        "{path}: no report wrote this file ({list} beside the reports' files does not list it), and this one would \
+             replace it; move it away"
+    )]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
+        /// Name of the list of a report's files.
+        list: &'static str,
+    },
     /// A folder or file that cannot be read or written.
     #[error("{path}: cannot {action}")]
     Io {

@@ -22,6 +22,8 @@ pub mod schema;
 pub mod stats;
 pub mod store;
 pub mod synthetic;
+#[cfg(test)]
+mod testing;
 pub mod wording;
 
 pub use analysis::catalogue::Catalogue;

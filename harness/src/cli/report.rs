@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use reports::analysis::options::{FEWEST_PAIRS, Failures, MARGIN};
+use reports::analysis::options::{Bands, FEWEST_PAIRS, Failures, MARGIN};
 use reports::stats::Resampling;
 use reports::store::layout;
 use reports::store::problem::StoreProblem;
@@ -55,6 +55,9 @@ pub(super) struct Args {
     title: Option<String>,
     #[command(flatten)]
     quiet: QuietFlag,
+    /// Bands of learning curves: std over seeds, standard error of the mean (sem), Student's interval of it (ci)
+    #[arg(long, value_name = "WHAT", default_value = Bands::default().as_str(), value_parser = ["std", "sem", "ci"])]
+    bands: String,
     /// Fit the axes of rates to the data instead of 0 to 1; such axes are marked
     #[arg(long)]
     zoom: bool,
@@ -69,6 +72,7 @@ pub(super) fn title(text: &str) -> Result<String, &'static str> {
 impl Args {
     fn options(&self, registry: &Registry) -> ReportOptions {
         let failures = Failures::ALL.into_iter().find(|policy| policy.as_str() == self.failures);
+        let bands = Bands::ALL.into_iter().find(|bands| bands.as_str() == self.bands);
         ReportOptions {
             window: self.window.into(),
             resampling: Resampling { confidence: self.confidence, ..Resampling::default() },
@@ -81,6 +85,7 @@ impl Args {
             curricula: self.curricula.clone(),
             title: self.title.clone(),
             zoom: self.zoom,
+            bands: bands.unwrap_or_default(),
             catalogue: paper::catalogue(registry),
         }
     }

@@ -73,6 +73,10 @@ fn is_deeper_than(table: &Table, most: usize) -> bool {
     most == 0 || table.values().any(|value| deeper(value, most - 1))
 }
 
+/// How the parser begins what it says of whole numbers beyond 64 bits: by how far they are beyond.
+const TOO_LARGE: [&str; 3] =
+    ["u64 value was too large", "invalid type: integer", "integer number overflowed"];
+
 /// Why `text` is not TOML.
 fn in_words(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().trim().replace('\n', ", ");
@@ -80,6 +84,13 @@ fn in_words(error: &toml::de::Error, text: &str) -> String {
     match message.as_str() {
         "duplicate key" => format!("`{at}` is given twice"),
         "recursion limit" => format!("has a path of more than {DEEPEST} names"),
+        _ if TOO_LARGE.iter().any(|words| message.starts_with(words)) => {
+            format!(
+                "the whole number `{at}` does not fit into 64 bits; {} to {} are accepted",
+                i64::MIN,
+                i64::MAX
+            )
+        }
         _ if message.contains("recurs") => "its tables and lists are nested too deeply".to_owned(),
         _ => message,
     }
@@ -255,6 +266,20 @@ mod tests {
         assert_eq!(get("a=1\nb=2")["a"].as_str(), Some("1\nb=2"), "no smuggling of a second key");
         assert!(set("budget.steps").is_err());
         assert!(set(".steps=1").is_err());
+    }
+
+    #[test]
+    fn numbers_beyond_64_bits_are_refused_with_what_is_accepted() {
+        let beyond = ["9223372036854775808", "-99999999999999999999", &"9".repeat(60)];
+        for number in beyond {
+            let error = Document::parse("p.toml", &format!("a = 1\nb = {number}")).expect_err("too large");
+            let expected = format!(
+                "p.toml:2: the whole number `{}` does not fit into 64 bits; -9223372036854775808 to \
+                 9223372036854775807 are accepted",
+                short(number)
+            );
+            assert_eq!(error.to_string(), expected);
+        }
     }
 
     #[test]

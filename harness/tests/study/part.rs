@@ -84,7 +84,7 @@ pub(crate) fn report_of(name: &str, folder: &Path) -> (PathBuf, String) {
 }
 
 fn report(results: &Path, store: &Store) -> PathBuf {
-    let output = goalbench(&["report", results.to_str().expect("a test path is UTF-8")]);
+    let output = goalbench(&["report", results.to_str().expect("a test path is UTF-8"), "--bands", "ci"]);
     let code = i32::from(!store.runs().iter().all(Run::is_finished));
     assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
     results.join("report")

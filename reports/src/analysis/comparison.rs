@@ -8,7 +8,9 @@ use crate::analysis::group::{self, Group, GroupKey};
 use crate::analysis::options::ReportOptions;
 use crate::analysis::paired::{self, PairedDifference};
 use crate::analysis::pairing;
+use crate::analysis::scores;
 use crate::stats::{self, Ddof, SignFlip, Welch};
+use crate::store::Run;
 
 /// Level that the tests of a family keep together.
 pub const ALPHA: f64 = 0.05;
@@ -64,6 +66,8 @@ pub struct Comparison<'a> {
     pub difference: Option<f64>,
     /// Paired bootstrap interval of it; `None` for fewer than two pairs.
     pub difference_ci: Option<(f64, f64)>,
+    /// The same pairs by the [area](scores::area_under_curve) under their learning curves.
+    pub area: Option<PairedDifference>,
     /// The sign-flip test of those pairs.
     pub sign_flip: Option<SignFlip>,
     /// Probability of improvement within those pairs: the share in which the method is ahead, ties one half.
@@ -189,6 +193,7 @@ fn compare<'a>(
     let (here, there) = (ours.scores(), theirs.scores());
     let pairs = if unpaired.is_none() { paired::pairs(&ours.by_seed, &theirs.by_seed) } else { Vec::new() };
     let paired = PairedDifference::of(&pairs, options);
+    let areas = if unpaired.is_none() { paired_areas(pair) } else { Vec::new() };
     let wins: Vec<f64> = pairs.iter().map(|(a, b)| f64::from(i8::from(a > b) - i8::from(a < b))).collect();
     let welch = stats::welch(&here, &there);
     let is_tied = here.iter().chain(&there).all(|score| Some(score) == here.first());
@@ -209,6 +214,7 @@ fn compare<'a>(
         unpaired,
         difference: paired.map(|paired| paired.mean),
         difference_ci: paired.and_then(|paired| paired.interval),
+        area: PairedDifference::of(&areas, options),
         sign_flip: paired.and_then(|paired| paired.sign_flip),
         improvement: stats::mean(&wins).map(|mean| (1.0 + mean) / 2.0),
         improvement_p: stats::sign_flip(&[&wins], options.resampling).map(|test| test.p),
@@ -221,6 +227,12 @@ fn compare<'a>(
         without_spread: (note == Some(NO_SPREAD)).then(|| separated_p(here.len(), there.len())),
         note,
     }
+}
+
+/// The areas under the learning curves (of `a`, of `b`) of every seed that both have.
+fn paired_areas(pair: &Pair<'_>) -> Vec<(f64, f64)> {
+    let area = |run: &Run| scores::area_under_curve(&run.records);
+    group::shared_seeds(&pair.a, &pair.b).filter_map(|(a, b)| Some((area(a)?, area(b)?))).collect()
 }
 
 /// p of the exact permutation test where all scores of one side are equal, and all of the other are equal to

@@ -148,46 +148,13 @@ fn steps(run: &Run) -> Vec<u64> {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
-    use crate::schema::{Manifest, RunKey, SCHEMA};
-
-    /// A run with these rates, 10 steps apart, that took 4 gradient steps in each.
-    fn run(seed: u64, rates: &[f64], outcome: Outcome) -> Run {
-        let key = RunKey { environment: "E".into(), curriculum: "c".into(), variant: "default".into(), seed };
-        let record = |(index, &success_rate): (u64, &f64)| Record {
-            environment: "E".into(),
-            curriculum: "c".into(),
-            variant: "default".into(),
-            seed,
-            step: 10 * index,
-            eval_index: index,
-            episodes: 20,
-            success_rate,
-            any_success_rate: None,
-            mean_return: -1.0,
-            gradient_steps: 4 * index,
-            probe_steps: 0,
-            uncharged_steps: 0,
-            teacher: Map::from_iter([("entropy".to_owned(), index.into())]),
-        };
-        let records = (0..).zip(rates).map(record).collect();
-        let manifest = Manifest {
-            schema: SCHEMA,
-            run: key,
-            config: serde_json::Value::Null,
-            hash: String::new(),
-            versions: BTreeMap::new(),
-            earlier_budgets: Vec::new(),
-        };
-        Run { manifest, records, timings: Vec::new(), outcome: Some(outcome) }
-    }
+    use crate::testing::run;
 
     #[test]
     fn a_failed_run_counts_0_from_its_failure_on() {
-        let model = run(0, &[0.0, 0.5, 0.5, 1.0], Outcome::Finished { step: 30 });
-        let failed = run(1, &[0.1, 0.7], Outcome::Failed { step: 17, reason: "NaN".into() });
+        let model = run("default", 0, &[0.0, 0.5, 0.5, 1.0], Outcome::Finished { step: 30 });
+        let failed = run("default", 1, &[0.1, 0.7], Outcome::Failed { step: 17, reason: "NaN".into() });
         let whole = completed(&failed, &model).unwrap();
         let points: Vec<(u64, f64, u64)> = whole
             .records
@@ -202,8 +169,8 @@ mod tests {
 
     #[test]
     fn one_that_failed_before_its_first_evaluation_counts_0_throughout() {
-        let model = run(0, &[0.5, 0.5], Outcome::Finished { step: 10 });
-        let failed = run(1, &[], Outcome::Failed { step: 3, reason: "NaN".into() });
+        let model = run("default", 0, &[0.5, 0.5], Outcome::Finished { step: 10 });
+        let failed = run("default", 1, &[], Outcome::Failed { step: 3, reason: "NaN".into() });
         let whole = completed(&failed, &model).unwrap();
         assert_eq!(whole.records.iter().map(|record| record.success_rate).collect::<Vec<_>>(), [0.0, 0.0]);
     }

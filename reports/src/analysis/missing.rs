@@ -89,18 +89,8 @@ fn sums(analysis: &Analysis<'_>) -> Vec<String> {
 fn heat_maps(analysis: &Analysis<'_>) -> Vec<String> {
     let drawn: Vec<&GroupKey> =
         analysis.heat.mazes.iter().flat_map(|heat| &heat.maps).map(|map| &map.key).collect();
-    let mut lacking = Vec::new();
-    for maze in &analysis.catalogue().mazes {
-        for group in analysis.groups.compared_groups().into_iter().filter(|group| group.is_own()) {
-            let key = &group.key;
-            if key.environment == maze.id && !drawn.contains(&key) {
-                let name = key.name();
-                lacking
-                    .push(format!("{}: {name}: no record of what the teacher did, so no heat map", maze.id));
-            }
-        }
-    }
-    lacking
+    let mazes = &analysis.catalogue().mazes;
+    without_a_map(analysis, &drawn, "heat map", |id| mazes.iter().any(|maze| maze.id == id))
 }
 
 /// Methods that were run in a task whose goals are points in space without a record of what their teacher
@@ -112,13 +102,26 @@ fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
         let environments = &analysis.catalogue().environments;
         environments.iter().any(|info| info.id == id && info.goal == goal_map::COORDINATES)
     };
-    let groups = analysis.groups.compared_groups().into_iter().filter(|group| group.is_own());
-    let silent = groups.filter(|group| in_space(&group.key.environment) && !drawn.contains(&&group.key));
-    let said = silent.map(|group| {
-        let (id, name) = (&group.key.environment, group.key.name());
-        format!("{id}: {name}: no record of what the teacher did, so no goal map")
-    });
-    said.collect()
+    without_a_map(analysis, &drawn, "goal map", in_space)
+}
+
+/// Methods that were run in one of the environments that have maps, and are not among those `drawn`, in a line
+/// per environment.
+fn without_a_map(
+    analysis: &Analysis<'_>,
+    drawn: &[&GroupKey],
+    map: &str,
+    has_maps: impl Fn(&str) -> bool,
+) -> Vec<String> {
+    let own = analysis.groups.compared_groups().into_iter().filter(|group| group.is_own());
+    let silent = own.map(|group| &group.key).filter(|key| has_maps(&key.environment) && !drawn.contains(key));
+    let silent: Vec<&GroupKey> = silent.collect();
+    let line = |keys: &[&GroupKey]| {
+        let names: Vec<String> = keys.iter().map(|key| key.name()).collect();
+        let (id, names) = (&keys[0].environment, names.join(", "));
+        format!("{id}: no record of what the teacher did, so no {map}, of {names}")
+    };
+    silent.chunk_by(|a, b| a.environment == b.environment).map(line).collect()
 }
 
 /// Runs without a diagnosis of their student, where the report was asked for them.

@@ -30,6 +30,8 @@ pub struct ReportOptions {
     pub title: Option<String>,
     /// Whether axes of rates span what there is to see, and not 0 to 1.
     pub zoom: bool,
+    /// What the bands of learning curves show.
+    pub bands: Bands,
     /// What is known of methods, environments and the paper.
     pub catalogue: Catalogue,
 }
@@ -57,6 +59,32 @@ impl Failures {
     }
 }
 
+/// What the bands around the means of learning curves show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bands {
+    /// One standard deviation over seeds up and down.
+    #[default]
+    Std,
+    /// One standard error of the mean up and down.
+    Sem,
+    /// Student's interval of the mean, with the confidence of the report's other intervals.
+    Ci,
+}
+
+impl Bands {
+    /// All, as they are written in options.
+    pub const ALL: [Self; 3] = [Self::Std, Self::Sem, Self::Ci];
+
+    /// As in options: `std`, `sem`, `ci`.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Std => "std",
+            Self::Sem => "sem",
+            Self::Ci => "ci",
+        }
+    }
+}
+
 /// [`ReportOptions::margin`] where nothing else is asked for.
 pub const MARGIN: f64 = 0.1;
 
@@ -66,7 +94,8 @@ pub const FEWEST_PAIRS: usize = 5;
 
 impl Default for ReportOptions {
     /// The last 5 evaluations; [`Resampling::default`]; [`MARGIN`]; [`FEWEST_PAIRS`]; failures count 0;
-    /// different students are not judged; no diagnostics; all runs; axes from 0 to 1; an empty catalogue.
+    /// different students are not judged; no diagnostics; all runs; axes from 0 to 1; bands of one standard
+    /// deviation; an empty catalogue.
     fn default() -> Self {
         Self {
             window: 5,
@@ -80,6 +109,7 @@ impl Default for ReportOptions {
             curricula: Vec::new(),
             title: None,
             zoom: false,
+            bands: Bands::default(),
             catalogue: Catalogue::default(),
         }
     }

@@ -91,10 +91,9 @@ impl ByThirdMeans {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
-    use crate::schema::{Manifest, Outcome, Record, RunKey};
+    use crate::schema::Outcome;
+    use crate::testing::{self, records};
 
     #[test]
     fn thirds_by_hand() {
@@ -105,40 +104,9 @@ mod tests {
     /// Everything that it measured before it failed lies in the first third.
     #[test]
     fn thirds_of_a_run_that_failed_are_those_of_its_budget() {
-        let text = |text: &str| text.to_owned();
-        let run = RunKey { environment: text("E"), curriculum: text("c"), variant: text("v"), seed: 0 };
-        let record = |step| Record {
-            environment: run.environment.clone(),
-            curriculum: run.curriculum.clone(),
-            variant: run.variant.clone(),
-            seed: 0,
-            step,
-            eval_index: step / 6_000,
-            episodes: 20,
-            success_rate: 0.5,
-            any_success_rate: None,
-            mean_return: -1.0,
-            gradient_steps: 0,
-            probe_steps: 0,
-            uncharged_steps: 0,
-            teacher: serde_json::Map::new(),
-        };
-        let records = [0, 6_000, 12_000, 18_000].map(record).to_vec();
-        let config = serde_json::json!({ "budget": { "steps": 60_000 } });
-        let manifest = Manifest {
-            schema: 1,
-            config,
-            hash: text(""),
-            versions: BTreeMap::new(),
-            earlier_budgets: Vec::new(),
-            run,
-        };
-        let mut run = Run {
-            manifest,
-            records,
-            timings: Vec::new(),
-            outcome: Some(Outcome::Failed { step: 20_000, reason: text("NaN") }),
-        };
+        let mut run = testing::run("default", 0, &[], Outcome::Failed { step: 20_000, reason: "NaN".into() });
+        run.records = records(&[0, 6_000, 12_000, 18_000].map(|step| (step, 0.5)));
+        run.manifest.config = serde_json::json!({ "budget": { "steps": 60_000 } });
         assert_eq!([6_000, 12_000, 18_000].map(|step| third_of(step, budget(&run))), [0; 3]);
         run.manifest.config = serde_json::Value::Null;
         assert_eq!(budget(&run), 18_000);

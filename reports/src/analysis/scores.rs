@@ -105,26 +105,7 @@ pub fn area(points: impl IntoIterator<Item = (u64, f64)>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn records(points: &[(u64, f64)]) -> Vec<Record> {
-        let record = |(index, &(step, success_rate)): (usize, &(u64, f64))| Record {
-            environment: "E".into(),
-            curriculum: "c".into(),
-            variant: "default".into(),
-            seed: 0,
-            step,
-            eval_index: index as u64,
-            episodes: 20,
-            success_rate,
-            any_success_rate: None,
-            mean_return: -1.0,
-            gradient_steps: 0,
-            probe_steps: 0,
-            uncharged_steps: 0,
-            teacher: serde_json::Map::new(),
-        };
-        points.iter().enumerate().map(record).collect()
-    }
+    use crate::testing::records;
 
     #[test]
     fn scores_by_hand() {

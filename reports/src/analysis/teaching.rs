@@ -65,28 +65,18 @@ pub fn mean_over_training(records: &[Record], name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::record;
     use serde_json::{Map, Value, json};
 
     #[test]
     fn means_by_hand() {
-        let record = |(eval_index, value): (u64, Value)| Record {
-            environment: "E".into(),
-            curriculum: "nova".into(),
-            variant: "default".into(),
-            seed: 0,
-            step: 1_000 * eval_index,
+        let told = |(eval_index, value): (u64, Value)| Record {
             eval_index,
-            episodes: 20,
-            success_rate: 0.5,
-            any_success_rate: None,
-            mean_return: -1.0,
-            gradient_steps: 0,
-            probe_steps: 0,
-            uncharged_steps: 0,
             teacher: Map::from_iter([("picked_goals".to_owned(), value)]),
+            ..record()
         };
         let values = [json!(900), json!(10), json!(null), json!(14.5), json!(11.5)];
-        let records: Vec<Record> = (0..).zip(values).map(record).collect();
+        let records: Vec<Record> = (0..).zip(values).map(told).collect();
         // Without the untrained student's, and without the one that is not defined: (10 + 14.5 + 11.5) / 3.
         assert_eq!(mean_over_training(&records, "picked_goals"), Some(12.0));
         assert_eq!(mean_over_training(&records, "effective_picks"), None);

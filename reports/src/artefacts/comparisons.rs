@@ -77,8 +77,36 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             row.difference_ci.map(|ci| ci.1)
         }),
     ];
+    columns.extend(of_areas());
     columns.extend(tests());
     columns
+}
+
+/// The same by the area under the learning curve.
+fn of_areas<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    vec![
+        Column::real(
+            "area_difference",
+            "mean over pairs of the difference of the area under the curve, method minus reference",
+            |row: &Comparison<'_>| row.area.map(|area| area.mean),
+        )
+        .shown("AUC difference", |row| {
+            or_undefined(row.area, |area| with_interval(area.mean, area.interval))
+        }),
+        Column::real(
+            "area_difference_ci_low",
+            "lower end of its paired bootstrap interval",
+            |row: &Comparison<'_>| Some(row.area?.interval?.0),
+        ),
+        Column::real("area_difference_ci_high", "its upper end", |row: &Comparison<'_>| {
+            Some(row.area?.interval?.1)
+        }),
+        Column::real(
+            "area_sign_flip_p",
+            "two-sided p-value of the sign-flip test of these differences, uncorrected",
+            |row: &Comparison<'_>| Some(row.area?.sign_flip?.p),
+        ),
+    ]
 }
 
 /// Whether that is chance, and what it would take to know.
@@ -160,7 +188,7 @@ fn caption(resampling: Resampling) -> String {
         "Final success of each method against the first method of its environment, and of each variant of a method \
          against its default, from finished runs of the same evaluations. A variant that several methods have is set \
          against the same variant of the first method, where that has it. Difference: method minus reference, mean over \
-         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): test \
+         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. AUC difference: the same of the area under the learning curve. p (sign flips): test \
          of these pairs, uncorrected, whose null is that the two runs of a pair are exchangeable: exact up to \
          {MOST_ENUMERATED} pairs, of more from {} random flips; it cannot fall below 0.016 for 7 pairs. Pairs ahead: share \
          of the pairs in which the method is ahead, ties one half; p (signs): the same test of these signs alone, which a \

@@ -35,9 +35,18 @@ const LIST: &str = "files.txt";
 
 /// Writes all `files` into `folder`, then removes what the report before it listed and this one lacks. What a
 /// report did not write itself is never touched. Gives the paths written.
+///
+/// # Errors
+/// [`ReportError::NotOurs`], before anything is written, where a file that no report listed has the name of one
+/// of `files`; [`ReportError::Io`].
 pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>, ReportError> {
     let before = listed(&folder.join(LIST))?;
     let mut now: BTreeSet<PathBuf> = files.iter().map(|(name, _)| name.clone()).collect();
+    let is_foreign =
+        |name: &&PathBuf| !before.contains(*name) && folder.join(name).symlink_metadata().is_ok();
+    if let Some(name) = now.iter().find(is_foreign) {
+        return Err(ReportError::NotOurs { path: folder.join(name), list: LIST });
+    }
     now.insert(LIST.into());
     let folders: BTreeSet<&Path> = now.iter().filter_map(|name| name.parent()).collect();
     folders.iter().for_each(|name| fresh::sweep(&folder.join(name)));
@@ -103,6 +112,19 @@ mod tests {
         let (long, longer) = ("ü".repeat(100), "ü".repeat(101));
         assert_ne!(file_name(&long, 3), file_name(&longer, 4));
         assert!(file_name(&longer, 4).len() < 255 - "ablation-confidence-.svg".len());
+    }
+
+    #[test]
+    fn a_file_that_no_report_wrote_is_not_replaced() {
+        let place = tempfile::tempdir().unwrap();
+        let file = |name: &str| (PathBuf::from(name), b"new".to_vec());
+        let own = place.path().join("index.html");
+        fs::write(&own, "mine").unwrap();
+        let refused = write_all(place.path(), vec![file("grid.svg"), file("index.html")]).unwrap_err();
+        let said = refused.to_string();
+        assert!(said.starts_with(&own.display().to_string()) && said.contains("move it away"), "{said}");
+        assert_eq!(fs::read_to_string(&own).unwrap(), "mine");
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing is written");
     }
 
     #[test]

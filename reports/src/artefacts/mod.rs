@@ -49,9 +49,10 @@ pub use dataset::{TidyData, tidy_data};
 pub use report::{Written, write, write_beside};
 
 use crate::analysis::levels;
+use crate::analysis::options::{Bands, ReportOptions};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
-use crate::render::figure::{Basis, Palette, Style};
+use crate::render::figure::{Band, Basis, Palette, Style};
 use crate::render::table::Sheet;
 
 /// Every figure and table of a report, in the order in which they are read. Within a section figures stand
@@ -155,7 +156,13 @@ fn basis<'a>(analysis: &'a Analysis<'_>) -> Basis<'a> {
 /// How all figures are drawn: each method, variant and level of an ablation in one look.
 fn style(analysis: &Analysis<'_>) -> Style {
     let levels = levels::levels(&analysis.groups.all, &analysis.paper().axes, &analysis.ablations);
-    Style { palette: Palette::with_levels(analysis.groups.keys(), &levels), zoom: analysis.options.zoom }
+    let ReportOptions { bands, zoom, resampling, .. } = analysis.options;
+    let band = match bands {
+        Bands::Std => Band::Std,
+        Bands::Sem => Band::Sem,
+        Bands::Ci => Band::Ci(resampling.confidence),
+    };
+    Style { palette: Palette::with_levels(analysis.groups.keys(), &levels), zoom: *zoom, band }
 }
 
 /// What an artefact is, and how it is computed.

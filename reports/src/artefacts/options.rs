@@ -24,7 +24,6 @@ fn sheet(analysis: &Analysis<'_>) -> Result<Sheet, ReportError> {
 
 fn rows(options: &ReportOptions) -> Vec<Row> {
     // The catalogue is no option of whoever asks for a report.
-    // The catalogue is no option of whoever asks for a report.
     let ReportOptions { window, resampling, margin, fewest_pairs, failures, mixed_students, .. } = options;
     let answer = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let names = |ids: &[String]| if ids.is_empty() { "all".to_owned() } else { ids.join(", ") };
@@ -49,6 +48,12 @@ fn rows(options: &ReportOptions) -> Vec<Row> {
         ),
         ("environments", names(&options.environments), "those that the report is about"),
         ("curricula", names(&options.curricula), "those that the report is about"),
+        (
+            "bands",
+            options.bands.as_str().to_owned(),
+            "of learning curves: the standard deviation over seeds, the standard error of the mean, or Student's interval of \
+             the mean",
+        ),
         ("zoom", answer(options.zoom), "whether axes of rates span what there is to see, and not 0 to 1"),
         (
             "diagnostics",

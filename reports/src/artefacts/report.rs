@@ -45,6 +45,7 @@ pub struct Written {
 /// What [`Store::read`] refuses; [`ReportError::NotInResults`]; [`ReportError::NoRecords`] if there is
 /// nothing to draw;
 /// [`ReportError::Option`];
+/// [`ReportError::NotOurs`] if a file that no report wrote is in the way;
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
     write_beside(results, Vec::new(), options)

@@ -181,6 +181,33 @@ fn of_nova(results: &Path, file: &str, name: &str) -> Vec<String> {
 }
 
 #[test]
+fn methods_that_end_alike_differ_in_their_areas() {
+    let results = TempDir::new().unwrap();
+    let path = results.path();
+    for (seed, early) in [(0, 0.2), (1, 0.2), (2, 0.3)] {
+        write_run(path, &key("A", "nova", "default", seed), &[0.0, early, 0.8]);
+        write_run(path, &key("A", "wren", "default", seed), &[0.0, 0.5, 0.8]);
+    }
+    reports::write(path, &ReportOptions { window: 1, ..options() }).unwrap();
+    let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
+    let [header, row] = [0, 1].map(|line| csv.lines().nth(line).unwrap().split(',').collect::<Vec<_>>());
+    let number =
+        |name: &str| -> f64 { row[header.iter().position(|other| *other == name).unwrap()].parse().unwrap() };
+    assert_eq!(number("difference"), 0.0);
+    // Areas: NOVA (0.1 + 0.5) / 2 = 0.3 twice and (0.15 + 0.55) / 2 = 0.35, WREN (0.25 + 0.65) / 2 = 0.45.
+    let expected = [
+        ("area_difference", (0.15 + 0.15 + 0.1) / 3.0),
+        ("area_difference_ci_low", 0.1),
+        ("area_difference_ci_high", 0.15),
+        // Of 8 flips, the one found and its opposite are as far from 0.
+        ("area_sign_flip_p", 0.25),
+    ];
+    for (name, value) in expected {
+        assert!((number(name) - value).abs() < 1e-12, "{name}: {} and not {value}", number(name));
+    }
+}
+
+#[test]
 fn failed_runs_count_0_from_their_failure_on() {
     let results = broken_down();
     let path = results.path();

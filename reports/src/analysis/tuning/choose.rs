@@ -70,48 +70,18 @@ pub fn best(tried: &[TrialScore]) -> Option<&TrialScore> {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
-    use serde_json::Map;
-
     use super::*;
     use crate::analysis::complete::failed_as_zero;
     use crate::analysis::options::Failures;
-    use crate::schema::{Manifest, Outcome, Record, SCHEMA};
+    use crate::schema::Outcome;
+    use crate::testing;
 
     /// A run with these rates, 10 steps apart; one that failed after the last of them, or finished.
     fn run(variant: &str, seed: u64, rates: &[f64], failed: bool) -> Run {
-        let [environment, curriculum, variant] = ["E", "c", variant].map(String::from);
-        let key = RunKey { environment, curriculum, variant, seed };
-        let record = |(index, &success_rate): (u64, &f64)| Record {
-            environment: key.environment.clone(),
-            curriculum: key.curriculum.clone(),
-            variant: key.variant.clone(),
-            seed,
-            step: 10 * index,
-            eval_index: index,
-            episodes: 20,
-            success_rate,
-            any_success_rate: None,
-            mean_return: -1.0,
-            gradient_steps: 0,
-            probe_steps: 0,
-            uncharged_steps: 2 * index,
-            teacher: Map::new(),
-        };
-        let records: Vec<Record> = (0..).zip(rates).map(record).collect();
-        let step = records.last().map_or(0, |record| record.step);
-        let manifest = Manifest {
-            schema: SCHEMA,
-            run: key.clone(),
-            config: serde_json::Value::Null,
-            hash: String::new(),
-            versions: BTreeMap::new(),
-            earlier_budgets: Vec::new(),
-        };
+        let step = 10 * (rates.len() as u64 - 1);
         let outcome =
             if failed { Outcome::Failed { step, reason: "NaN".into() } } else { Outcome::Finished { step } };
-        Run { manifest, records, timings: Vec::new(), outcome: Some(outcome) }
+        testing::run(variant, seed, rates, outcome)
     }
 
     #[test]
@@ -153,7 +123,7 @@ mod tests {
     fn of_equal_trials_the_lowest_number_is_best_and_the_default_before_all() {
         let trial = |variant: &str, score: f64| TrialScore {
             variant: variant.into(),
-            settings: Map::new(),
+            settings: serde_json::Map::new(),
             score,
             places: Vec::new(),
         };

@@ -1,5 +1,6 @@
-//! Learning curves: mean ± standard deviation of the success rate over training.
+//! Learning curves: mean and band of the success rate over training.
 
+use super::band::Band;
 use super::legend::Label;
 use super::page::Page;
 use super::palette::Palette;
@@ -67,7 +68,7 @@ fn sheet(panels: &[LearningPanel<'_>], drawn: &Drawn<'_>, progress: Progress) ->
     let most_ticks = if panels.len() > 2 { 4 } else { 6 };
     let curves: Vec<&Curve> = panels.iter().flat_map(|panel| panel.curves.iter().copied()).collect();
     let unit = TimeUnit::fit(last(&curves, Progress::Hours));
-    let mut caption = caption::of(&curves);
+    let mut caption = caption::of(&curves, drawn.style.band);
     if progress == Progress::Hours {
         caption.push_str("; time: mean over seeds, evaluations included");
     }
@@ -93,7 +94,7 @@ fn content(
     unit: TimeUnit,
 ) -> Content {
     let series = |curve: &&Curve| Series {
-        marks: curve.points.iter().filter_map(|point| mark(point, progress)).collect(),
+        marks: curve.points.iter().filter_map(|point| mark(point, progress, drawn.style.band)).collect(),
         look: drawn.look(curve),
     };
     let series: Vec<Series> = panel.curves.iter().map(series).collect();
@@ -153,9 +154,8 @@ fn axis(progress: Progress, last: f64, most_ticks: u64, unit: TimeUnit) -> XAxis
     }
 }
 
-fn mark(point: &Point, progress: Progress) -> Option<Mark> {
-    let band = point.std.map(|std| (point.mean - std, point.mean + std));
-    Some(Mark { x: point.at(progress)?, y: point.mean, band })
+fn mark(point: &Point, progress: Progress, band: Band) -> Option<Mark> {
+    Some(Mark { x: point.at(progress)?, y: point.mean, band: band.at(point) })
 }
 
 /// Every curriculum and variant among the curves once, in order. Where the numbers of seeds differ, and each

@@ -6,6 +6,7 @@
 
 mod agreement;
 mod axis;
+mod band;
 mod basis;
 mod calibration;
 mod canvas;
@@ -36,6 +37,7 @@ mod ticks;
 mod trials;
 
 pub use agreement::{AgreementMatrix, agreement};
+pub use band::Band;
 pub use basis::Basis;
 pub use calibration::calibration;
 pub use efficiency::efficiency;
