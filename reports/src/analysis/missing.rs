@@ -105,7 +105,7 @@ fn goal_maps(analysis: &Analysis<'_>) -> Vec<String> {
     without_a_map(analysis, &drawn, "goal map", in_space)
 }
 
-/// Methods that were run in one of the environments that have maps, and are not among those `drawn`, in a line
+/// Methods that were run in one of the environments that have maps, and are not among those `drawn`: a line
 /// per environment.
 fn without_a_map(
     analysis: &Analysis<'_>,

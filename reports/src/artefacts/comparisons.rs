@@ -77,42 +77,13 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             row.difference_ci.map(|ci| ci.1)
         }),
     ];
-    columns.extend(of_areas());
-    columns.extend(tests());
-    columns
-}
-
-/// The same by the area under the learning curve.
-fn of_areas<'a>() -> Vec<Column<'a, Comparison<'a>>> {
-    vec![
-        Column::real(
-            "area_difference",
-            "mean over pairs of the difference of the area under the curve, method minus reference",
-            |row: &Comparison<'_>| row.area.map(|area| area.mean),
-        )
-        .shown("AUC difference", |row| {
-            or_undefined(row.area, |area| with_interval(area.mean, area.interval))
-        }),
-        Column::real(
-            "area_difference_ci_low",
-            "lower end of its paired bootstrap interval",
-            |row: &Comparison<'_>| Some(row.area?.interval?.0),
-        ),
-        Column::real("area_difference_ci_high", "its upper end", |row: &Comparison<'_>| {
-            Some(row.area?.interval?.1)
-        }),
-        Column::real(
-            "area_sign_flip_p",
-            "two-sided p-value of the sign-flip test of these differences, uncorrected",
-            |row: &Comparison<'_>| Some(row.area?.sign_flip?.p),
-        ),
-    ]
-}
-
-/// Whether that is chance, and what it would take to know.
-fn tests<'a>() -> Vec<Column<'a, Comparison<'a>>> {
-    let mut columns = of_pairs();
+    columns.extend(of_pairs());
     columns.extend(of_all_runs());
+    columns.extend(of_areas());
+    columns.push(
+        Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| row.said())
+            .named("Note", |row| row.said().unwrap_or_default()),
+    );
     columns
 }
 
@@ -178,8 +149,33 @@ fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             |row: &Comparison<'_>| row.p_holm.and(row.detectable),
         )
         .shown("Detectable", |row| or_undefined(row.p_holm.and(row.detectable), decimal)),
-        Column::text("note", "what the tests cannot say, and why", |row: &Comparison<'_>| row.said())
-            .named("Note", |row| row.said().unwrap_or_default()),
+    ]
+}
+
+/// The differences of areas under learning curves.
+fn of_areas<'a>() -> Vec<Column<'a, Comparison<'a>>> {
+    vec![
+        Column::real(
+            "area_difference",
+            "mean over pairs of the difference of the area under the curve, method minus reference",
+            |row: &Comparison<'_>| row.area.map(|area| area.mean),
+        )
+        .shown("AUC difference", |row| {
+            or_undefined(row.area, |area| with_interval(area.mean, area.interval))
+        }),
+        Column::real(
+            "area_difference_ci_low",
+            "lower end of its paired bootstrap interval",
+            |row: &Comparison<'_>| Some(row.area?.interval?.0),
+        ),
+        Column::real("area_difference_ci_high", "its upper end", |row: &Comparison<'_>| {
+            Some(row.area?.interval?.1)
+        }),
+        Column::real(
+            "area_sign_flip_p",
+            "two-sided p-value of the sign-flip test of these differences, uncorrected",
+            |row: &Comparison<'_>| Some(row.area?.sign_flip?.p),
+        ),
     ]
 }
 
@@ -188,7 +184,7 @@ fn caption(resampling: Resampling) -> String {
         "Final success of each method against the first method of its environment, and of each variant of a method \
          against its default, from finished runs of the same evaluations. A variant that several methods have is set \
          against the same variant of the first method, where that has it. Difference: method minus reference, mean over \
-         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. AUC difference: the same of the area under the learning curve. p (sign flips): test \
+         the seeds that both have, with its {} % paired bootstrap interval: {BOOTSTRAP_COVERAGE}. p (sign flips): test \
          of these pairs, uncorrected, whose null is that the two runs of a pair are exchangeable: exact up to \
          {MOST_ENUMERATED} pairs, of more from {} random flips; it cannot fall below 0.016 for 7 pairs. Pairs ahead: share \
          of the pairs in which the method is ahead, ties one half; p (signs): the same test of these signs alone, which a \
@@ -199,7 +195,8 @@ fn caption(resampling: Resampling) -> String {
          both that failed, and count 0 from their failure on. Variants whose runs are those \
          of the reference evaluation by evaluation are left out. Detectable: the smallest true difference of success rates \
          that this test finds with a power of {TARGET_POWER}, given the seeds at hand and their spread, at the strictest \
-         level of that correction ({ALPHA} over the number of tests).",
+         level of that correction ({ALPHA} over the number of tests). AUC difference: over the same pairs, of the area under \
+         the learning curve.",
         columns::percent(resampling.confidence),
         thousands(resampling.resamples as u64),
     )

@@ -37,8 +37,8 @@ const LIST: &str = "files.txt";
 /// report did not write itself is never touched. Gives the paths written.
 ///
 /// # Errors
-/// [`ReportError::NotOurs`], before anything is written, where a file that no report listed has the name of one
-/// of `files`; [`ReportError::Io`].
+/// [`ReportError::NotOurs`], before anything is written, where a file that no report listed has the name of
+/// one of `files`; [`ReportError::Io`].
 pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>, ReportError> {
     let before = listed(&folder.join(LIST))?;
     let mut now: BTreeSet<PathBuf> = files.iter().map(|(name, _)| name.clone()).collect();

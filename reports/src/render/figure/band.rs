@@ -27,7 +27,7 @@ impl Band {
         Some((point.mean - half, point.mean + half))
     }
 
-    /// Mean and band of `seeds` in words, up to what is said of all of them: `mean ± std over 7 seeds (ddof = 1`.
+    /// Mean and band in words, with the bracket open: `mean ± std over 7 seeds (ddof = 1`.
     pub(super) fn over(self, seeds: &str) -> String {
         match self {
             Self::Std => format!("mean ± std over {seeds} seeds (ddof = {DDOF}"),

@@ -28,8 +28,8 @@ pub(super) fn of(curves: &[&Curve], band: Band) -> String {
     caption
 }
 
-/// How many episodes evaluations have: `20-episode`, `20- or 200-episode` where curves differ, `10–20-episode`
-/// where the evaluations of one do.
+/// How many episodes evaluations have: `20-episode`, `20- or 200-episode` where curves differ,
+/// `10–20-episode` where the evaluations of one do.
 fn sizes(curves: &[&Curve]) -> String {
     let ranges = || curves.iter().map(|curve| curve.episodes);
     let lows: BTreeSet<u64> = ranges().map(|(low, _)| low).collect();
