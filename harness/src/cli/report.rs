@@ -55,7 +55,7 @@ pub(super) struct Args {
     title: Option<String>,
     #[command(flatten)]
     quiet: QuietFlag,
-    /// Bands of learning curves: std over seeds, standard error of the mean (sem), its Student's interval (ci)
+    /// Bands of learning curves: std over seeds, standard error of the mean, or Student's interval of it
     #[arg(long, value_name = "WHAT", default_value = Bands::default().as_str(), value_parser = ["std", "sem", "ci"])]
     bands: String,
     /// Fit the axes of rates to the data instead of 0 to 1; such axes are marked
