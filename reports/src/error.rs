@@ -54,14 +54,17 @@ pub enum ReportError {
         /// Why not.
         reason: String,
     },
-    /// A file in the place of one of the report's that no report wrote.
+    /// Something in the place of a report's file that no report wrote.
     #[error(
-        "{path}: no report wrote this file ({list} beside the reports' files does not list it), and this one would \
-             replace it; move it away"
+        "{path}: is in the way of the report, and {list} beside the page does not say that a report wrote it{}; nothing \
+         was written. Move it, or the whole folder, to another place",
+        more(*others)
     )]
-    NotOurs {
-        /// The file.
+    InTheWay {
+        /// The first such file or folder.
         path: PathBuf,
+        /// How many others there are.
+        others: usize,
         /// Name of the list of a report's files.
         list: &'static str,
     },
@@ -86,6 +89,11 @@ pub enum ReportError {
         /// What failed.
         source: Box<dyn Error + Send + Sync>,
     },
+}
+
+/// ` (and 3 more)`; nothing for none.
+fn more(others: usize) -> String {
+    if others == 0 { String::new() } else { format!(" (and {others} more)") }
 }
 
 impl ReportError {

@@ -4,6 +4,8 @@ use std::convert::Infallible;
 use std::ops::{Bound, RangeBounds};
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use crate::config::{count, seeds};
 use crate::error::HarnessError;
 use crate::protocol::presets;
@@ -187,6 +189,15 @@ pub(super) fn between(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clon
         let number = number(text).ok().filter(|number| *number > least && *number < 1.0);
         number.ok_or_else(|| format!("a number above {least} and below 1 is accepted"))
     }
+}
+
+/// One of `all`, by its name in options, for `value_parser`.
+pub(super) fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let find = move |text: String| all.into_iter().find(|one| name(*one) == text);
+    PossibleValuesParser::new(all.map(name)).try_map(move |text| find(text).ok_or("no such value"))
 }
 
 /// A name in a list, for `value_parser`: people put blanks after commas.

@@ -9,7 +9,7 @@ use reports::store::problem::StoreProblem;
 use reports::wording::counted;
 use reports::{Guest, ReportOptions};
 
-use super::flags::{QuietFlag, between, name, whole};
+use super::flags::{QuietFlag, between, name, one_of, whole};
 use super::{Exit, ExitCode, complain, print};
 use crate::archive::{Unpacked, name_of, unpack};
 use crate::error::HarnessError;
@@ -33,8 +33,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = FEWEST_PAIRS as u16, value_parser = whole::<u16>(1..))]
     fewest_pairs: u16,
     /// Runs that failed: success 0 from then on, or left out and counted
-    #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = ["zero", "apart"])]
-    failures: String,
+    #[arg(long, value_name = "HOW", default_value = Failures::default().as_str(), value_parser = one_of(Failures::ALL, Failures::as_str))]
+    failures: Failures,
     /// Judge claims also where both sides train different students
     #[arg(long)]
     mixed_students: bool,
@@ -55,9 +55,9 @@ pub(super) struct Args {
     title: Option<String>,
     #[command(flatten)]
     quiet: QuietFlag,
-    /// Bands of learning curves: std over seeds, standard error of the mean, or Student's interval of it
-    #[arg(long, value_name = "WHAT", default_value = Bands::default().as_str(), value_parser = ["std", "sem", "ci"])]
-    bands: String,
+    /// Bands of learning curves: spread of seeds (std), standard error (sem) or t interval (ci) of the mean
+    #[arg(long, value_name = "WHAT", default_value = Bands::default().as_str(), value_parser = one_of(Bands::ALL, Bands::as_str))]
+    bands: Bands,
     /// Fit the axes of rates to the data instead of 0 to 1; such axes are marked
     #[arg(long)]
     zoom: bool,
@@ -71,21 +71,19 @@ pub(super) fn title(text: &str) -> Result<String, &'static str> {
 
 impl Args {
     fn options(&self, registry: &Registry) -> ReportOptions {
-        let failures = Failures::ALL.into_iter().find(|policy| policy.as_str() == self.failures);
-        let bands = Bands::ALL.into_iter().find(|bands| bands.as_str() == self.bands);
         ReportOptions {
             window: self.window.into(),
             resampling: Resampling { confidence: self.confidence, ..Resampling::default() },
             margin: self.margin,
             fewest_pairs: self.fewest_pairs.into(),
-            failures: failures.unwrap_or_default(),
+            failures: self.failures,
             mixed_students: self.mixed_students,
             diagnostics: self.diagnostics,
             environments: self.environments.clone(),
             curricula: self.curricula.clone(),
             title: self.title.clone(),
             zoom: self.zoom,
-            bands: bands.unwrap_or_default(),
+            bands: self.bands,
             catalogue: paper::catalogue(registry),
         }
     }

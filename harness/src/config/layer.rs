@@ -73,8 +73,9 @@ fn is_deeper_than(table: &Table, most: usize) -> bool {
     most == 0 || table.values().any(|value| deeper(value, most - 1))
 }
 
-/// How the parser begins what it says of whole numbers beyond 64 bits: by how far they are beyond.
-const TOO_LARGE: [&str; 3] =
+/// How the parser begins what it says of whole numbers out of range: a little above it, beyond 64 bits, beyond
+/// 128 bits. A document is parsed into values of any type, so that no integer is of a wrong one.
+const OUT_OF_RANGE: [&str; 3] =
     ["u64 value was too large", "invalid type: integer", "integer number overflowed"];
 
 /// Why `text` is not TOML.
@@ -84,12 +85,8 @@ fn in_words(error: &toml::de::Error, text: &str) -> String {
     match message.as_str() {
         "duplicate key" => format!("`{at}` is given twice"),
         "recursion limit" => format!("has a path of more than {DEEPEST} names"),
-        _ if TOO_LARGE.iter().any(|words| message.starts_with(words)) => {
-            format!(
-                "the whole number `{at}` does not fit into 64 bits; {} to {} are accepted",
-                i64::MIN,
-                i64::MAX
-            )
+        _ if OUT_OF_RANGE.iter().any(|words| message.starts_with(words)) => {
+            format!("the whole number `{at}` is out of range; {} to {} are accepted", i64::MIN, i64::MAX)
         }
         _ if message.contains("recurs") => "its tables and lists are nested too deeply".to_owned(),
         _ => message,
@@ -269,12 +266,12 @@ mod tests {
     }
 
     #[test]
-    fn numbers_beyond_64_bits_are_refused_with_what_is_accepted() {
-        let beyond = ["9223372036854775808", "-99999999999999999999", &"9".repeat(60)];
+    fn whole_numbers_out_of_range_are_refused_with_what_is_accepted() {
+        let beyond = ["9223372036854775808", "-99999999999999999999", "0x1FFFFFFFFFFFFFFFF", &"9".repeat(60)];
         for number in beyond {
             let error = Document::parse("p.toml", &format!("a = 1\nb = {number}")).expect_err("too large");
             let expected = format!(
-                "p.toml:2: the whole number `{}` does not fit into 64 bits; -9223372036854775808 to \
+                "p.toml:2: the whole number `{}` is out of range; -9223372036854775808 to \
                  9223372036854775807 are accepted",
                 short(number)
             );

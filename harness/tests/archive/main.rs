@@ -267,6 +267,7 @@ fn runs_that_were_made_otherwise_are_drawn_and_not_paired() {
         (row["n_pairs"].as_str(), row["difference"].as_str(), row["n_seeds"].as_str()),
         ("0", "", "3")
     );
+    assert_eq!(row["area_difference"], "");
     assert!(row["note"].contains("their configs differ at /student/width"), "{row:?}");
 }
 

@@ -110,9 +110,10 @@ impl Comparison<'_> {
 }
 
 /// Note where all scores are equal.
-const TIED: &str = "all scores of both sides are equal";
+const TIED: &str = "all final scores of both sides are equal";
 /// Note where Welch's test has no answer.
-const NO_SPREAD: &str = "neither side varies, so p is that of the exact permutation test, not of Welch's";
+const NO_SPREAD: &str =
+    "final scores vary on neither side, so p (Holm) is that of the exact permutation test, not of Welch's";
 /// Note on sides of fewer than two runs.
 const TOO_FEW: &str = "fewer than two runs on a side";
 
@@ -193,7 +194,8 @@ fn compare<'a>(
     let (here, there) = (ours.scores(), theirs.scores());
     let pairs = if unpaired.is_none() { paired::pairs(&ours.by_seed, &theirs.by_seed) } else { Vec::new() };
     let paired = PairedDifference::of(&pairs, options);
-    let areas = if unpaired.is_none() { paired_areas(pair) } else { Vec::new() };
+    let area = |run: &Run| scores::area_under_curve(&run.records);
+    let areas = if unpaired.is_none() { group::paired(&pair.a, &pair.b, area) } else { Vec::new() };
     let wins: Vec<f64> = pairs.iter().map(|(a, b)| f64::from(i8::from(a > b) - i8::from(a < b))).collect();
     let welch = stats::welch(&here, &there);
     let is_tied = here.iter().chain(&there).all(|score| Some(score) == here.first());
@@ -227,12 +229,6 @@ fn compare<'a>(
         without_spread: (note == Some(NO_SPREAD)).then(|| separated_p(here.len(), there.len())),
         note,
     }
-}
-
-/// The areas under the learning curves (of `a`, of `b`) of every seed that both have.
-fn paired_areas(pair: &Pair<'_>) -> Vec<(f64, f64)> {
-    let area = |run: &Run| scores::area_under_curve(&run.records);
-    group::shared_seeds(&pair.a, &pair.b).filter_map(|(a, b)| Some((area(a)?, area(b)?))).collect()
 }
 
 /// p of the exact permutation test where all scores of one side are equal, and all of the other are equal to

@@ -112,6 +112,11 @@ pub fn shared_seeds<'a>(a: &Group<'a>, b: &Group<'a>) -> impl Iterator<Item = (&
     })
 }
 
+/// The scores (in `a`, in `b`) of every seed that both have, as far as both have a score.
+pub fn paired(a: &Group<'_>, b: &Group<'_>, score: impl Fn(&Run) -> Option<f64>) -> Vec<(f64, f64)> {
+    shared_seeds(a, b).filter_map(|(a, b)| Some((score(a)?, score(b)?))).collect()
+}
+
 /// Which `keys`, sorted, stand for their curriculum where curricula are compared. A variant that a single
 /// curriculum has, in an environment where that curriculum has a `default` too, is an ablation of it and does
 /// not. Shape: one answer per key.

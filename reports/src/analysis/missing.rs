@@ -119,7 +119,7 @@ fn without_a_map(
     let line = |keys: &[&GroupKey]| {
         let names: Vec<String> = keys.iter().map(|key| key.name()).collect();
         let (id, names) = (&keys[0].environment, names.join(", "));
-        format!("{id}: no record of what the teacher did, so no {map}, of {names}")
+        format!("{id}: no {map} of {names}: there is no record of what their teachers did")
     };
     silent.chunk_by(|a, b| a.environment == b.environment).map(line).collect()
 }

@@ -5,7 +5,7 @@ use crate::analysis::comparison::{ALPHA, Comparison, TARGET_POWER};
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::table::cells::{
-    BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, thousands, with_interval,
+    BOOTSTRAP_COVERAGE, decimal, or_undefined, p_value, thousands, with_fine_interval,
 };
 use crate::render::table::{Column, Sheet};
 use crate::stats::{MOST_ENUMERATED, Resampling};
@@ -66,7 +66,7 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             |row: &Comparison<'_>| row.difference,
         )
         .shown("Difference", |row| {
-            or_undefined(row.difference, |difference| with_interval(difference, row.difference_ci))
+            or_undefined(row.difference, |difference| with_fine_interval(difference, row.difference_ci))
         }),
         Column::real(
             "difference_ci_low",
@@ -161,7 +161,7 @@ fn of_areas<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             |row: &Comparison<'_>| row.area.map(|area| area.mean),
         )
         .shown("AUC difference", |row| {
-            or_undefined(row.area, |area| with_interval(area.mean, area.interval))
+            or_undefined(row.area, |area| with_fine_interval(area.mean, area.interval))
         }),
         Column::real(
             "area_difference_ci_low",
@@ -195,8 +195,8 @@ fn caption(resampling: Resampling) -> String {
          both that failed, and count 0 from their failure on. Variants whose runs are those \
          of the reference evaluation by evaluation are left out. Detectable: the smallest true difference of success rates \
          that this test finds with a power of {TARGET_POWER}, given the seeds at hand and their spread, at the strictest \
-         level of that correction ({ALPHA} over the number of tests). AUC difference: over the same pairs, of the area under \
-         the learning curve.",
+         level of that correction ({ALPHA} over the number of tests). AUC difference: the same mean with its \
+         interval, over the same pairs, of the area under the learning curve; no p of the table is about it.",
         columns::percent(resampling.confidence),
         thousands(resampling.resamples as u64),
     )

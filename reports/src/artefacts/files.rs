@@ -33,21 +33,24 @@ pub(super) fn file_name(name: &str, index: usize) -> String {
 /// Name of the list of a report's files, by which the next report knows which of them it may remove.
 const LIST: &str = "files.txt";
 
+/// What every report has. A list without one of these is somebody else's, whatever its name.
+const ALWAYS: [&str; 4] = [LIST, "index.html", "summary.md", "DATA.md"];
+
 /// Writes all `files` into `folder`, then removes what the report before it listed and this one lacks. What a
 /// report did not write itself is never touched. Gives the paths written.
 ///
 /// # Errors
-/// [`ReportError::NotOurs`], before anything is written, where a file that no report listed has the name of
-/// one of `files`; [`ReportError::Io`].
+/// [`ReportError::InTheWay`], before anything is written, where something that no report listed has the name
+/// of one of `files` or of a folder of theirs; [`ReportError::Io`].
 pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>, ReportError> {
     let before = listed(&folder.join(LIST))?;
     let mut now: BTreeSet<PathBuf> = files.iter().map(|(name, _)| name.clone()).collect();
-    let is_foreign =
-        |name: &&PathBuf| !before.contains(*name) && folder.join(name).symlink_metadata().is_ok();
-    if let Some(name) = now.iter().find(is_foreign) {
-        return Err(ReportError::NotOurs { path: folder.join(name), list: LIST });
-    }
     now.insert(LIST.into());
+    let in_the_way = in_the_way(folder, &before, &now);
+    if let Some(first) = in_the_way.first() {
+        let others = in_the_way.len() - 1;
+        return Err(ReportError::InTheWay { path: folder.join(first), others, list: LIST });
+    }
     let folders: BTreeSet<&Path> = now.iter().filter_map(|name| name.parent()).collect();
     folders.iter().for_each(|name| fresh::sweep(&folder.join(name)));
     // A report that is broken off halfway leaves files of both.
@@ -72,8 +75,18 @@ pub(super) fn write_all(folder: &Path, files: Vec<File>) -> Result<Vec<PathBuf>,
     Ok(written)
 }
 
-/// The files named in the list at `path`; none if there is no list. Names that lead out of the folder are no
-/// names of ours.
+/// What lies in `folder` where a file or a folder of the files `now` belongs, and is not among those that a
+/// report `before` wrote.
+fn in_the_way(folder: &Path, before: &BTreeSet<PathBuf>, now: &BTreeSet<PathBuf>) -> BTreeSet<PathBuf> {
+    let is_there = |name: &Path| folder.join(name).symlink_metadata().is_ok();
+    let files = now.iter().filter(|name| !before.contains(*name) && is_there(name)).cloned();
+    let parents = now.iter().flat_map(|name| name.ancestors().skip(1));
+    let parents = parents.filter(|name| is_there(name) && !folder.join(name).is_dir()).map(Path::to_owned);
+    files.chain(parents).collect()
+}
+
+/// The files named in the list at `path`; none if there is no list of a report. Names that lead out of the
+/// folder are no names of ours.
 fn listed(path: &Path) -> Result<BTreeSet<PathBuf>, ReportError> {
     let text = match guard::files::read(path) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
@@ -84,7 +97,9 @@ fn listed(path: &Path) -> Result<BTreeSet<PathBuf>, ReportError> {
         name.components().all(|component| matches!(component, Component::Normal(_)))
             && name.components().next().is_some()
     };
-    Ok(text.lines().map(PathBuf::from).filter(is_inside).collect())
+    let names: BTreeSet<PathBuf> = text.lines().map(PathBuf::from).filter(is_inside).collect();
+    let is_a_report = ALWAYS.iter().all(|name| names.contains(Path::new(name)));
+    Ok(if is_a_report { names } else { BTreeSet::new() })
 }
 
 fn write_list<'a>(folder: &Path, names: impl Iterator<Item = &'a PathBuf>) -> Result<(), ReportError> {
@@ -114,43 +129,86 @@ mod tests {
         assert!(file_name(&longer, 4).len() < 255 - "ablation-confidence-.svg".len());
     }
 
+    /// What every report has, and `others`.
+    fn report(others: &[&str]) -> Vec<File> {
+        let all = ALWAYS.iter().filter(|name| **name != LIST).chain(others);
+        all.map(|name| (PathBuf::from(name), b"new".to_vec())).collect()
+    }
+
+    fn content(folder: &Path, name: &str) -> String {
+        fs::read_to_string(folder.join(name)).unwrap()
+    }
+
     #[test]
-    fn a_file_that_no_report_wrote_is_not_replaced() {
+    fn what_no_report_wrote_is_not_replaced() {
+        type Make = fn(&Path);
+        let makes: [(&str, Make); 5] = [
+            ("index.html", |path| fs::write(path, "mine").unwrap()),
+            ("index.html", |path| fs::create_dir(path).unwrap()),
+            ("index.html", |path| std::os::unix::fs::symlink("nowhere", path).unwrap()),
+            ("figures", |path| fs::write(path, "mine").unwrap()),
+            (LIST, |path| fs::write(path, "bread\nindex.html\nfiles.txt\nnotes.md\n").unwrap()),
+        ];
+        for (name, make) in makes {
+            let place = tempfile::tempdir().unwrap();
+            let folder = place.path();
+            fs::write(folder.join("notes.md"), "mine").unwrap();
+            make(&folder.join(name));
+            let said = write_all(folder, report(&["figures/grid.svg"])).unwrap_err().to_string();
+            assert!(said.starts_with(&format!("{}: ", folder.join(name).display())), "{said}");
+            let mut left: Vec<_> =
+                fs::read_dir(folder).unwrap().map(|item| item.unwrap().file_name()).collect();
+            left.sort();
+            let mut expected = [name, "notes.md"];
+            expected.sort_unstable();
+            assert_eq!(left, expected, "nothing is written");
+            assert_eq!(content(folder, "notes.md"), "mine");
+        }
+    }
+
+    #[test]
+    fn a_report_without_its_list_is_not_replaced_and_counted() {
         let place = tempfile::tempdir().unwrap();
-        let file = |name: &str| (PathBuf::from(name), b"new".to_vec());
-        let own = place.path().join("index.html");
-        fs::write(&own, "mine").unwrap();
-        let refused = write_all(place.path(), vec![file("grid.svg"), file("index.html")]).unwrap_err();
-        let said = refused.to_string();
-        assert!(said.starts_with(&own.display().to_string()) && said.contains("move it away"), "{said}");
-        assert_eq!(fs::read_to_string(&own).unwrap(), "mine");
-        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing is written");
+        write_all(place.path(), report(&["figures/grid.svg"])).unwrap();
+        fs::remove_file(place.path().join(LIST)).unwrap();
+        let said = write_all(place.path(), report(&["figures/grid.svg"])).unwrap_err().to_string();
+        assert!(said.contains("DATA.md") && said.contains("3 more"), "{said}");
+    }
+
+    /// The list of both is written before anything else.
+    #[test]
+    fn a_report_that_was_broken_off_is_gone_on_with() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path();
+        write_all(folder, report(&["figures/old.svg"])).unwrap();
+        let both = content(folder, LIST) + "figures/new.svg\n";
+        fs::write(folder.join(LIST), both).unwrap();
+        fs::write(folder.join("figures/new.svg"), "half").unwrap();
+        write_all(folder, report(&["figures/new.svg"])).unwrap();
+        assert_eq!(content(folder, "figures/new.svg"), "new");
+        assert!(!folder.join("figures/old.svg").exists());
     }
 
     #[test]
     fn what_the_last_report_wrote_is_removed_and_nothing_else() {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("report");
-        let file = |name: &str| (PathBuf::from(name), b"new".to_vec());
-        write_all(&folder, vec![file("index.html"), file("figures/old.svg"), file("figures/gone.svg")])
-            .unwrap();
+        write_all(&folder, report(&["figures/old.svg", "figures/gone.svg"])).unwrap();
         for own in [folder.join("figures/my.svg"), folder.join("notes.txt"), place.path().join("outside")] {
             fs::write(own, "mine").unwrap();
         }
         fs::remove_file(folder.join("figures/gone.svg")).unwrap();
         // A list that somebody wrote into.
-        let list = fs::read_to_string(folder.join(LIST)).unwrap();
+        let list = content(&folder, LIST);
         let outside = place.path().join("outside");
         fs::write(folder.join(LIST), format!("{list}../outside\n{}\n\n", outside.display())).unwrap();
-        let written = write_all(&folder, vec![file("index.html"), file("figures/new.svg")]).unwrap();
-        assert_eq!(written, ["index.html", "figures/new.svg", LIST].map(|name| folder.join(name)));
+        let written = write_all(&folder, report(&["figures/new.svg"])).unwrap();
+        let names = ["index.html", "summary.md", "DATA.md", "figures/new.svg", LIST];
+        assert_eq!(written, names.map(|name| folder.join(name)));
         assert!(!folder.join("figures/old.svg").exists());
         for kept in ["figures/my.svg", "notes.txt", "../outside"] {
-            assert_eq!(fs::read_to_string(folder.join(kept)).unwrap(), "mine", "{kept}");
+            assert_eq!(content(&folder, kept), "mine", "{kept}");
         }
-        assert_eq!(
-            fs::read_to_string(folder.join(LIST)).unwrap(),
-            "figures/new.svg\nfiles.txt\nindex.html\n"
-        );
+        assert_eq!(content(&folder, LIST), "DATA.md\nfigures/new.svg\nfiles.txt\nindex.html\nsummary.md\n");
     }
 }

@@ -49,7 +49,7 @@ pub use dataset::{TidyData, tidy_data};
 pub use report::{Written, write, write_beside};
 
 use crate::analysis::levels;
-use crate::analysis::options::{Bands, ReportOptions};
+use crate::analysis::options::ReportOptions;
 use crate::analysis::whole::Analysis;
 use crate::error::ReportError;
 use crate::render::figure::{Band, Basis, Palette, Style};
@@ -157,12 +157,11 @@ fn basis<'a>(analysis: &'a Analysis<'_>) -> Basis<'a> {
 fn style(analysis: &Analysis<'_>) -> Style {
     let levels = levels::levels(&analysis.groups.all, &analysis.paper().axes, &analysis.ablations);
     let ReportOptions { bands, zoom, resampling, .. } = analysis.options;
-    let band = match bands {
-        Bands::Std => Band::Std,
-        Bands::Sem => Band::Sem,
-        Bands::Ci => Band::Ci(resampling.confidence),
-    };
-    Style { palette: Palette::with_levels(analysis.groups.keys(), &levels), zoom: *zoom, band }
+    Style {
+        palette: Palette::with_levels(analysis.groups.keys(), &levels),
+        zoom: *zoom,
+        band: Band { kind: *bands, confidence: resampling.confidence },
+    }
 }
 
 /// What an artefact is, and how it is computed.

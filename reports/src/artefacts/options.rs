@@ -51,8 +51,8 @@ fn rows(options: &ReportOptions) -> Vec<Row> {
         (
             "bands",
             options.bands.as_str().to_owned(),
-            "of learning curves: the standard deviation over seeds, the standard error of the mean, or Student's interval of \
-             the mean",
+            "of learning curves: the standard deviation over seeds (std), the standard error of the mean (sem) or Student's \
+             interval of the mean (ci)",
         ),
         ("zoom", answer(options.zoom), "whether axes of rates span what there is to see, and not 0 to 1"),
         (

@@ -45,7 +45,7 @@ pub struct Written {
 /// What [`Store::read`] refuses; [`ReportError::NotInResults`]; [`ReportError::NoRecords`] if there is
 /// nothing to draw;
 /// [`ReportError::Option`];
-/// [`ReportError::NotOurs`] if a file that no report wrote is in the way;
+/// [`ReportError::InTheWay`] if something that no report wrote has the name of a file;
 /// [`ReportError::Io`] if a file cannot be written.
 pub fn write(results: &Path, options: &ReportOptions) -> Result<Written, ReportError> {
     write_beside(results, Vec::new(), options)

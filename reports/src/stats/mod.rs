@@ -29,6 +29,6 @@ pub use rank::{RankOrder, spearman, top_overlap};
 pub use rates::{optimality_gap, performance_profile, probability_of_improvement};
 pub use roc::auc;
 pub use sign_flip::{MOST_ENUMERATED, SignFlip, lowest_sign_flip_p, sign_flip};
-pub use standard_error::{mean_half_width, standard_error};
+pub use standard_error::{standard_error, t_interval_half_width};
 pub use tail::cvar;
 pub use welch::{Welch, fisher, hochberg, holm, welch};

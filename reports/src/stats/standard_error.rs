@@ -17,10 +17,10 @@ pub fn standard_error(std_dev: f64, n: usize) -> f64 {
 ///
 /// ```
 /// // The quantile of 9 degrees of freedom at 0.975 is 2.262157.
-/// let half = reports::stats::mean_half_width(1.0, 10, 0.95).unwrap();
+/// let half = reports::stats::t_interval_half_width(1.0, 10, 0.95).unwrap();
 /// assert!((half - 2.262157 / 10_f64.sqrt()).abs() < 1e-6);
 /// ```
-pub fn mean_half_width(std_dev: f64, n: usize, confidence: f64) -> Option<f64> {
+pub fn t_interval_half_width(std_dev: f64, n: usize, confidence: f64) -> Option<f64> {
     if n < 2 || !(confidence > 0.0 && confidence < 1.0) {
         return None;
     }
@@ -34,11 +34,11 @@ mod tests {
 
     #[test]
     fn intervals_need_two_values_and_a_confidence() {
-        assert_eq!(mean_half_width(1.0, 1, 0.95), None);
-        assert_eq!(mean_half_width(1.0, 2, 1.0), None);
-        assert_eq!(mean_half_width(1.0, 2, 0.0), None);
+        assert_eq!(t_interval_half_width(1.0, 1, 0.95), None);
+        assert_eq!(t_interval_half_width(1.0, 2, 1.0), None);
+        assert_eq!(t_interval_half_width(1.0, 2, 0.0), None);
         // One degree of freedom: the Cauchy distribution, tan(0.45 pi) = 6.313752.
-        let half = mean_half_width(1.0, 2, 0.9).unwrap();
+        let half = t_interval_half_width(1.0, 2, 0.9).unwrap();
         assert!((half - 6.313_752 / 2_f64.sqrt()).abs() < 1e-5, "{half}");
     }
 }

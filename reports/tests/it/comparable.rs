@@ -188,6 +188,7 @@ fn methods_that_end_alike_differ_in_their_areas() {
         write_run(path, &key("A", "nova", "default", seed), &[0.0, early, 0.8]);
         write_run(path, &key("A", "wren", "default", seed), &[0.0, 0.5, 0.8]);
     }
+    write_run(path, &key("A", "wren", "default", 3), &[0.0, 1.0, 0.8]);
     reports::write(path, &ReportOptions { window: 1, ..options() }).unwrap();
     let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
     let [header, row] = [0, 1].map(|line| csv.lines().nth(line).unwrap().split(',').collect::<Vec<_>>());

@@ -8,7 +8,8 @@ use reports::analysis::finals::Finals;
 use reports::analysis::group::GroupKey;
 use reports::analysis::heat::{HeatMap, HeatPhase, MazeHeat};
 use reports::analysis::improvement;
-use reports::render::figure::{self, Basis, Style};
+use reports::analysis::options::Bands;
+use reports::render::figure::{self, Band, Basis, Style};
 use reports::stats::Resampling;
 use reports::synthetic::catalogue;
 use resvg::usvg::{self, Node, Rect};
@@ -111,13 +112,17 @@ fn figures(curves: &[Curve], zoom: bool) -> Vec<String> {
     let first = &curves[0].key.environment;
     let all: Vec<&Curve> = curves.iter().collect();
     let single: Vec<&Curve> = curves.iter().filter(|curve| curve.key.environment == *first).collect();
-    let learning = |curves: &[&Curve], progress| {
+    let banded = |curves: &[&Curve], progress, kind| {
         let keys = all.iter().map(|curve| &curve.key);
-        figure::learning(&figure::by_environment(curves), &Style { zoom, ..Style::new(keys) }, progress)
-            .unwrap()
+        let band = Band { kind, confidence: 0.9875 };
+        let style = Style { zoom, band, ..Style::new(keys) };
+        figure::learning(&figure::by_environment(curves), &style, progress).unwrap()
     };
+    let learning = |curves: &[&Curve], progress| banded(curves, progress, Bands::Std);
     let mut figures = vec![
         learning(&single, Progress::EnvironmentSteps),
+        banded(&single, Progress::EnvironmentSteps, Bands::Ci),
+        banded(&all, Progress::Hours, Bands::Sem),
         learning(&all, Progress::EnvironmentSteps),
         learning(&single, Progress::Hours),
         learning(&all, Progress::GradientSteps),

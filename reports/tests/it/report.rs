@@ -7,6 +7,7 @@ use std::path::Path;
 use super::support::{key, options, seal, write_run};
 use reports::ReportError;
 use reports::ReportOptions;
+use reports::analysis::options::Bands;
 use reports::store::layout;
 use reports::synthetic::Experiment;
 use tempfile::TempDir;
@@ -321,6 +322,18 @@ fn figures_of_environments_that_are_gone_do_not_stay() {
     let left: Vec<String> = left.collect();
     assert!(left.contains(&"success-RoomA.svg".to_owned()), "{left:?}");
     assert!(left.iter().all(|name| !name.contains("RoomB")), "{left:?}");
+}
+
+#[test]
+fn bands_are_those_that_were_asked_for() {
+    let results = small_results();
+    let grid = |bands| {
+        reports::write(results.path(), &ReportOptions { bands, ..options() }).unwrap();
+        content(results.path())["figures/success-RoomA.svg"].clone()
+    };
+    let drawn = Bands::ALL.map(grid);
+    assert!(drawn[0] != drawn[1] && drawn[1] != drawn[2] && drawn[2] != drawn[0]);
+    assert_eq!(drawn[0], grid(Bands::default()));
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn goals_that_are_points_in_space_are_drawn_from_two_sides() {
     let maps: Vec<String> =
         figures(results.path()).into_iter().filter(|name| name.starts_with("goals-")).collect();
     assert_eq!(maps, ["goals-Arm.svg"]);
-    let missing = "Still: no record of what the teacher did, so no goal map, of NOVA";
+    let missing = "Still: no goal map of NOVA: there is no record of what their teachers did";
     assert!(written.missing.iter().any(|text| text == missing), "{:?}", written.missing);
     let problems: Vec<String> = written.problems.iter().map(ToString::to_string).collect();
     assert_eq!(problems.len(), 1, "{problems:?}");

@@ -133,7 +133,7 @@ fn mazes_get_heat_maps_where_teachers_were_recorded() {
     let without = report(results.path());
     assert!(!heat.exists());
     let lacks = |written: &reports::Written, method: &str| {
-        let text = format!("M: no record of what the teacher did, so no heat map, of {method}");
+        let text = format!("M: no heat map of {method}: there is no record of what their teachers did");
         written.missing.contains(&text)
     };
     assert!(lacks(&without, "NOVA"));

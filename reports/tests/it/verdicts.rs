@@ -380,12 +380,12 @@ fn comparisons_tie_match_variants_and_explain_what_they_lack() {
     // Both at 0 throughout: a result, and no silence.
     let tie = row("RoomA", "wren", "default");
     assert_eq!((tie.difference, tie.p_holm), (Some(0.0), Some(1.0)));
-    assert_eq!((tie.sign_flip.unwrap().p, tie.note), (1.0, Some("all scores of both sides are equal")));
+    assert_eq!((tie.sign_flip.unwrap().p, tie.note), (1.0, Some("all final scores of both sides are equal")));
     let extreme = row("RoomA", "moss", "default");
     assert_eq!(extreme.sign_flip.unwrap().p, 1.0 / 64.0);
     // The exact permutation test of 7 runs against 7, by Holm's method for four tests.
     assert!((extreme.p_holm.unwrap() - 4.0 * 2.0 / 3432.0).abs() < 1e-12, "{:?}", extreme.p_holm);
-    assert!(extreme.note.unwrap().starts_with("neither side varies"));
+    assert!(extreme.note.unwrap().starts_with("final scores vary on neither side"));
     let wide = row("RoomB", "wren", "wide");
     assert_eq!((wide.family, wide.reference.name()), (TestFamily::Methods, "NOVA (wide)".to_owned()));
     assert!(wide.difference.unwrap().abs() < 1e-9);

@@ -245,7 +245,7 @@ fn differences(pair: &Pair<'_>, measure: Measure, options: &ReportOptions) -> Ve
         Measure::Noise if complete::is_completed(run) => None,
         Measure::Noise => noise(&run.records),
     };
-    group::shared_seeds(&pair.a, &pair.b).filter_map(|(a, b)| Some(score(a)? - score(b)?)).collect()
+    group::paired(&pair.a, &pair.b, score).into_iter().map(|(a, b)| a - b).collect()
 }
 
 /// Mean size of the change of the success rate from an evaluation to the next; `None` for fewer than two.

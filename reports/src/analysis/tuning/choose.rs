@@ -78,7 +78,7 @@ mod tests {
 
     /// A run with these rates, 10 steps apart; one that failed after the last of them, or finished.
     fn run(variant: &str, seed: u64, rates: &[f64], failed: bool) -> Run {
-        let step = 10 * (rates.len() as u64 - 1);
+        let step = 10 * (rates.len() as u64).saturating_sub(1);
         let outcome =
             if failed { Outcome::Failed { step, reason: "NaN".into() } } else { Outcome::Finished { step } };
         testing::run(variant, seed, rates, outcome)

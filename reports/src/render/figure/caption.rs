@@ -9,10 +9,11 @@ use crate::analysis::curves::{Curve, Point};
 /// For example `mean ± std over 7 seeds (ddof = 1), cut at 0 and 1, 20-episode evaluations`.
 pub(super) fn of(curves: &[&Curve], band: Band) -> String {
     let seeds = bounds(curves.iter().map(|curve| curve.seeds()));
+    let (what, how) = band.words();
     let spread = match seeds {
         (_, 1) => "one seed, no band".to_owned(),
-        (1, _) => format!("{}; no band where n = 1)", band.over(&range(seeds))),
-        _ => format!("{})", band.over(&range(seeds))),
+        (1, _) => format!("{what} over {} seeds ({how}; no band where n = 1)", range(seeds)),
+        _ => format!("{what} over {} seeds ({how})", range(seeds)),
     };
     let is_cut = |point: &Point| band.at(point).is_some_and(|(low, high)| low < 0.0 || high > 1.0);
     let cut = if curves.iter().flat_map(|curve| &curve.points).any(is_cut) { ", cut at 0 and 1" } else { "" };
@@ -58,6 +59,7 @@ mod tests {
     use super::*;
     use crate::analysis::catalogue::Catalogue;
     use crate::analysis::group::GroupKey;
+    use crate::analysis::options::Bands;
 
     fn curve(seeds: &[usize], episodes: (u64, u64)) -> Curve {
         let point = |&n: &usize| Point { n, mean: 0.5, ..Point::default() };
@@ -67,7 +69,7 @@ mod tests {
 
     #[test]
     fn captions_state_seeds_ddof_and_episodes() {
-        let say = |seeds: &[usize], episodes| of(&[&curve(seeds, episodes)], Band::Std);
+        let say = |seeds: &[usize], episodes| of(&[&curve(seeds, episodes)], Band::default());
         assert_eq!(say(&[7, 7], (20, 20)), "mean ± std over 7 seeds (ddof = 1), 20-episode evaluations");
         assert_eq!(say(&[1, 1], (20, 20)), "one seed, no band, 20-episode evaluations");
         assert_eq!(
@@ -90,10 +92,10 @@ mod tests {
 
     #[test]
     fn captions_say_what_bands_are() {
-        let say = |band| of(&[&curve(&[7, 7], (20, 20))], band);
-        assert_eq!(say(Band::Sem), "mean ± standard error over 7 seeds (ddof = 1), 20-episode evaluations");
+        let say = |kind| of(&[&curve(&[7, 7], (20, 20))], Band { kind, confidence: 0.95 });
+        assert_eq!(say(Bands::Sem), "mean ± standard error over 7 seeds (ddof = 1), 20-episode evaluations");
         let interval = "mean and its 95 % interval over 7 seeds (Student's t), 20-episode evaluations";
-        assert_eq!(say(Band::Ci(0.95)), interval);
+        assert_eq!(say(Bands::Ci), interval);
     }
 
     #[test]
@@ -101,14 +103,14 @@ mod tests {
         let mut one = curve(&[2], (20, 20));
         one.points[0].std = Some(0.6);
         assert_eq!(
-            of(&[&one], Band::Std),
+            of(&[&one], Band::default()),
             "mean ± std over 2 seeds (ddof = 1), cut at 0 and 1, 20-episode evaluations"
         );
         one.points[0].std = Some(0.5);
         one.interpolated = true;
         one.failed = 2;
         assert_eq!(
-            of(&[&one], Band::Std),
+            of(&[&one], Band::default()),
             "mean ± std over 2 seeds (ddof = 1), 20-episode evaluations; seeds evaluated at other steps: on the line \
              between two evaluations; 2 failed runs count 0 from their failure on"
         );

@@ -20,8 +20,16 @@ pub(crate) fn span((low, high): (u64, u64)) -> String {
 
 /// Two decimals, without the sign of a rounded zero.
 pub(crate) fn decimal(value: f64) -> String {
-    let text = format!("{value:.2}");
-    if text == "-0.00" { "0.00".into() } else { text }
+    decimals(value, 2)
+}
+
+fn decimals(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    if text.trim_start_matches(['-', '0', '.']).is_empty() {
+        text.trim_start_matches('-').into()
+    } else {
+        text
+    }
 }
 
 /// `1.25 h`, `12 min`, `3.4 s`: hours in the unit that fits them.
@@ -54,8 +62,17 @@ pub(crate) fn with_spread(mean: Option<f64>, std: Option<f64>) -> String {
 
 /// `0.50 [0.40, 0.60]`; the value alone where it has no interval.
 pub(crate) fn with_interval(value: f64, interval: Option<(f64, f64)>) -> String {
-    let brackets = |(low, high)| format!(" [{}, {}]", decimal(low), decimal(high));
-    decimal(value) + &interval.map_or(String::new(), brackets)
+    in_brackets(value, interval, 2)
+}
+
+/// `-0.023 [-0.034, -0.012]`: of differences, which are small where methods are alike.
+pub(crate) fn with_fine_interval(value: f64, interval: Option<(f64, f64)>) -> String {
+    in_brackets(value, interval, 3)
+}
+
+fn in_brackets(value: f64, interval: Option<(f64, f64)>, digits: usize) -> String {
+    let brackets = |(low, high)| format!(" [{}, {}]", decimals(low, digits), decimals(high, digits));
+    decimals(value, digits) + &interval.map_or(String::new(), brackets)
 }
 
 /// `1,000,000`.
@@ -94,5 +111,7 @@ mod tests {
     #[test]
     fn a_rounded_zero_has_no_sign() {
         assert_eq!(with_interval(-1e-17, Some((-0.2, 0.204))), "0.00 [-0.20, 0.20]");
+        let fine = with_fine_interval(-0.0004, Some((-0.0006, 0.0101)));
+        assert_eq!(fine, "0.000 [-0.001, 0.010]", "an end that is not 0 is not written as 0");
     }
 }

@@ -7,7 +7,7 @@ const LONGEST: usize = 40;
 /// The same of rows with prose in them, which take several lines each.
 const LONGEST_PROSE: usize = 20;
 /// Widest column of prose, and all of them together, in widths of a line.
-const PROSE_WIDTH: (f64, f64) = (0.25, 0.6);
+const PROSE_WIDTH: (f64, f64) = (0.22, 0.6);
 
 impl Table {
     /// A `tabular`, or a `longtable` where it is longer than a page; the caption is a comment above it, to be
@@ -124,7 +124,7 @@ mod tests {
         assert!(
             table(&[prose])
                 .latex()
-                .contains("\\begin{tabular}{>{\\raggedright\\arraybackslash}p{0.25\\linewidth}r}")
+                .contains("\\begin{tabular}{>{\\raggedright\\arraybackslash}p{0.22\\linewidth}r}")
         );
         let long = table(&["a"; LONGEST + 1]).latex();
         assert!(long.contains("\\begin{longtable}{lr}") && long.ends_with("\\end{longtable}\n"), "{long}");
