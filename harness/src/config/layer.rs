@@ -73,8 +73,8 @@ fn is_deeper_than(table: &Table, most: usize) -> bool {
     most == 0 || table.values().any(|value| deeper(value, most - 1))
 }
 
-/// How the parser begins what it says of whole numbers out of range: a little above it, beyond 64 bits, beyond
-/// 128 bits. A document is parsed into values of any type, so that no integer is of a wrong one.
+/// How the parser begins what it says of whole numbers out of range: a little above it, beyond 64 bits,
+/// beyond 128 bits. A document is parsed into values of any type, so that no integer is of a wrong one.
 const OUT_OF_RANGE: [&str; 3] =
     ["u64 value was too large", "invalid type: integer", "integer number overflowed"];
 

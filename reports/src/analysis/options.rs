@@ -67,8 +67,8 @@ pub enum Bands {
     Std,
     /// One standard error of the mean up and down.
     Sem,
-    /// Student's interval of the mean, with the confidence of the report's other intervals. Near 0 and 1, and of
-    /// few seeds, it covers less than that.
+    /// Student's interval of the mean, with the confidence of the report's other intervals. Near 0 and 1, and
+    /// of few seeds, it covers less than that.
     Ci,
 }
 
