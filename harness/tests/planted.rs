@@ -115,11 +115,19 @@ fn nothing_is_written_through_links() {
     }
     assert_eq!(fs::read_to_string(&other).expect("it is there"), "precious");
     toy(&results, &["--seeds", "0"]);
-    // Reports replace links that lie in place of their files.
+    let page = results.join("report/index.html");
     fs::create_dir(results.join("report")).expect("it can be created");
-    symlink(&other, results.join("report/index.html")).expect("it can be linked");
+    symlink(&other, &page).expect("it can be linked");
+    let refused = ends(&["report", text(&results)]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("index.html: is in the way"), "{}", stderr(&refused));
+    // Reports replace links that lie in place of what a report before them wrote.
+    fs::remove_file(&page).expect("a link");
     assert!(ends(&["report", text(&results)]).status.success());
-    assert!(results.join("report/index.html").metadata().expect("a page").len() > 1000);
+    fs::remove_file(&page).expect("a page");
+    symlink(&other, &page).expect("it can be linked");
+    assert!(ends(&["report", text(&results)]).status.success());
+    assert!(page.symlink_metadata().expect("a page").is_file());
     assert_eq!(fs::read_to_string(&other).expect("it is there"), "precious");
 }
 
