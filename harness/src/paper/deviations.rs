@@ -133,7 +133,8 @@ pub(super) static DEVIATIONS: &[Deviation] = &[
     row(
         "Spread",
         "bands of standard deviations over seeds, ddof not stated",
-        "the same, unless `report --bands` asks for others; ddof = 1 throughout; claims are judged by exact paired sign-flip tests, never by overlap of bands",
+        "the same, unless `report --bands` asks for others; ddof = 1 throughout; claims are judged by exact paired \
+         sign-flip tests, never by overlap of bands",
     ),
     row(
         "Action dimension of Fetch",

@@ -60,23 +60,13 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
                 failed => format!("{} ({failed} failed)", row.pairs),
             },
         ),
-        Column::real(
-            "difference",
-            "mean over pairs of the difference of final success, method minus reference",
-            |row: &Comparison<'_>| row.difference,
-        )
-        .shown("Difference", |row| {
-            or_undefined(row.difference, |difference| with_fine_interval(difference, row.difference_ci))
-        }),
-        Column::real(
-            "difference_ci_low",
-            "lower end of its paired bootstrap interval",
-            |row: &Comparison<'_>| row.difference_ci.map(|ci| ci.0),
-        ),
-        Column::real("difference_ci_high", "its upper end", |row: &Comparison<'_>| {
-            row.difference_ci.map(|ci| ci.1)
-        }),
     ];
+    columns.extend(difference(
+        "difference",
+        "Difference",
+        "mean over pairs of the difference of final success, method minus reference",
+        |row| Some((row.difference?, row.difference_ci)),
+    ));
     columns.extend(of_pairs());
     columns.extend(of_all_runs());
     columns.extend(of_areas());
@@ -85,6 +75,32 @@ fn columns<'a>() -> Vec<Column<'a, Comparison<'a>>> {
             .named("Note", |row| row.said().unwrap_or_default()),
     );
     columns
+}
+
+/// A mean difference over pairs with its interval; `None` where there is none.
+type Difference = Option<(f64, Option<(f64, f64)>)>;
+
+/// The difference `name`, shown below `title`, and the ends of its interval.
+fn difference<'a>(
+    name: &str,
+    title: &'static str,
+    meaning: &'static str,
+    of: fn(&Comparison<'_>) -> Difference,
+) -> [Column<'a, Comparison<'a>>; 3] {
+    [
+        Column::real(name.to_owned(), meaning, move |row: &Comparison<'_>| Some(of(row)?.0))
+            .shown(title, move |row| {
+                or_undefined(of(row), |(mean, interval)| with_fine_interval(mean, interval))
+            }),
+        Column::real(
+            format!("{name}_ci_low"),
+            "lower end of its paired bootstrap interval",
+            move |row: &Comparison<'_>| Some(of(row)?.1?.0),
+        ),
+        Column::real(format!("{name}_ci_high"), "its upper end", move |row: &Comparison<'_>| {
+            Some(of(row)?.1?.1)
+        }),
+    ]
 }
 
 /// The tests that use the pairs.
@@ -154,29 +170,18 @@ fn of_all_runs<'a>() -> Vec<Column<'a, Comparison<'a>>> {
 
 /// The differences of areas under learning curves.
 fn of_areas<'a>() -> Vec<Column<'a, Comparison<'a>>> {
-    vec![
-        Column::real(
-            "area_difference",
-            "mean over pairs of the difference of the area under the curve, method minus reference",
-            |row: &Comparison<'_>| row.area.map(|area| area.mean),
-        )
-        .shown("AUC difference", |row| {
-            or_undefined(row.area, |area| with_fine_interval(area.mean, area.interval))
-        }),
-        Column::real(
-            "area_difference_ci_low",
-            "lower end of its paired bootstrap interval",
-            |row: &Comparison<'_>| Some(row.area?.interval?.0),
-        ),
-        Column::real("area_difference_ci_high", "its upper end", |row: &Comparison<'_>| {
-            Some(row.area?.interval?.1)
-        }),
-        Column::real(
-            "area_sign_flip_p",
-            "two-sided p-value of the sign-flip test of these differences, uncorrected",
-            |row: &Comparison<'_>| Some(row.area?.sign_flip?.p),
-        ),
-    ]
+    let mut columns = Vec::from(difference(
+        "area_difference",
+        "AUC difference",
+        "mean over pairs of the difference of the area under the curve, method minus reference",
+        |row| row.area.map(|area| (area.mean, area.interval)),
+    ));
+    columns.push(Column::real(
+        "area_sign_flip_p",
+        "two-sided p-value of the sign-flip test of these differences, uncorrected",
+        |row: &Comparison<'_>| Some(row.area?.sign_flip?.p),
+    ));
+    columns
 }
 
 fn caption(resampling: Resampling) -> String {

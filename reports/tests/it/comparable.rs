@@ -172,12 +172,17 @@ fn broken_down() -> TempDir {
 
 /// The column `name` of a CSV file of the report, for the rows of NOVA.
 fn of_nova(results: &Path, file: &str, name: &str) -> Vec<String> {
+    of_curriculum("nova", results, file, name)
+}
+
+/// Column `name` of the rows of a curriculum in a file of a report.
+fn of_curriculum(id: &str, results: &Path, file: &str, name: &str) -> Vec<String> {
     let csv = fs::read_to_string(layout::report_dir(results).join(file)).unwrap();
     let mut rows = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
     let header = rows.next().unwrap();
     let column = |name: &str| header.iter().position(|other| other == name).unwrap();
     let (curriculum, column) = (column("curriculum"), column(name));
-    rows.filter(|row| row[curriculum] == "nova").map(|row| row[column].clone()).collect()
+    rows.filter(|row| row[curriculum] == id).map(|row| row[column].clone()).collect()
 }
 
 #[test]
@@ -190,10 +195,7 @@ fn methods_that_end_alike_differ_in_their_areas() {
     }
     write_run(path, &key("A", "wren", "default", 3), &[0.0, 1.0, 0.8]);
     reports::write(path, &ReportOptions { window: 1, ..options() }).unwrap();
-    let csv = fs::read_to_string(layout::report_dir(path).join("comparisons.csv")).unwrap();
-    let [header, row] = [0, 1].map(|line| csv.lines().nth(line).unwrap().split(',').collect::<Vec<_>>());
-    let number =
-        |name: &str| -> f64 { row[header.iter().position(|other| *other == name).unwrap()].parse().unwrap() };
+    let number = |name: &str| of_curriculum("wren", path, "comparisons.csv", name)[0].parse::<f64>().unwrap();
     assert_eq!(number("difference"), 0.0);
     // Areas: NOVA (0.1 + 0.5) / 2 = 0.3 twice and (0.15 + 0.55) / 2 = 0.35, WREN (0.25 + 0.65) / 2 = 0.45.
     let expected = [
